@@ -1,0 +1,6 @@
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED)
+if(ALCAP_WITH_CHOLMOD)
+  list(APPEND CMAKE_MODULE_PATH ${CMAKE_CURRENT_LIST_DIR})
+  find_package(CHOLMOD REQUIRED)
+endif()
