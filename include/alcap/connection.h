@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+//
+// connection.h: discrete connections (LTGD 2016, Secs. 4.2 and 5): geodesic polar map, locally optimal, globally
+// optimal ("as Levi-Civita as possible") and trivial with prescribed cones; one type for all of them.
+//
+//   auto connection = alcap::globally_optimal(mesh, geometry);
+//   double k = connection.K[t];                          // lifted curvature of face t; an n-field sees n K
+//   double r = connection.rho_along(mesh, h);            // vertex-to-vertex rotation along halfedge h
+//
+// Closed meshes: the K of a Levi-Civita-type connection sum to 2 pi chi.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+
+namespace alcap {
+
+enum class ConnectionKind { polar, local, global, trivial };
+
+/// The point of a triangle that the polar map's corner directions aim at (LTGD 2016, eq. 12). The incenter's
+/// direction bisects the corner, so tau -> 0 under refinement; with the barycenter tau tends to a shape-dependent
+/// constant and triangle-based operators diverge like 1/h. Offered to reproduce published tables.
+enum class PolarCenter { incenter, barycenter };
+
+/// Weight of an edge in D_E besides its tangent.
+enum class LengthFactor {
+  mean_edge,  ///< |e| over the mean |e| of its component: scale-invariant.
+  metric,     ///< |e| as printed in the paper: the result depends on the unit of length.
+  per_edge,   ///< 1
+};
+
+struct PolarOptions {
+  PolarCenter center = PolarCenter::incenter;  // see PolarCenter: the operators converge only with this one
+};
+
+struct GlobalOptions {
+  /// lambda in D_T + lambda D_E, the curvature-spreading knob: smaller spreads each vertex's curvature over more
+  /// faces (an n-field ignores small bumps), larger follows every detail. 1 weighs both as the paper does.
+  double detail = 1.0;
+  LengthFactor length_factor = LengthFactor::mean_edge;  // the one choice that is neutral to scale and to edge density
+  /// Cap of tan(angle opposite the edge), also used at right and obtuse angles. 10 is a corner of 84 degrees; larger caps
+  /// change nothing visible and slow the solve several times.
+  double tan_cap = 10.0;
+  /// Relative residual of the conjugate gradients. 1e-10 leaves K right to ten digits; float stops at its own rounding.
+  double tolerance = 1e-10;
+  int max_iterations = 5000;  // 50 are usual, a few hundred on slivers; small detail needs more
+};
+
+/// How a connection was found and how far it is from the Levi-Civita one.
+struct ConnectionReport {
+  bool converged = true;
+  int iterations = 0;      ///< conjugate gradient iterations, 0 when none were needed
+  double residual = 0;     ///< relative residual at the end
+  double D_T = 0;          ///< deviation inside faces, sum of tau' W tau (LTGD 2016, Sec. 5.3)
+  double D_E = 0;          ///< deviation between edges and faces, with its length factor, without lambda
+  std::string message;     ///< empty when all is well
+};
+
+/// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
+template <class T>
+struct Connection {
+  ConnectionKind kind = ConnectionKind::polar;
+  VectorX<T> rho;    ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
+  VectorX<T> rho_e;  ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both ends
+  VectorX<T> rho_t;  ///< 3 #F: rho_{v -> t} per corner
+  VectorX<T> tau;    ///< 3 #F: lifted rotation along halfedge h inside its face
+  VectorX<T> eps;    ///< #E: lifted rotation along the canonical halfedge, within the edge
+  VectorX<T> K;      ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
+  VectorX<T> alpha;  ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
+  ConnectionReport report;
+
+  /// rho_ij along halfedge h = i -> j; antisymmetric.
+  [[nodiscard]] T rho_along(const Mesh& mesh, Index h) const {
+    const Index e = mesh.edge(h);
+    return mesh.halfedge(e) == h ? rho[e] : -rho[e];
+  }
+  /// rho_{vi -> e_ij} for halfedge h = i -> j.
+  [[nodiscard]] T rho_start(const Mesh& mesh, Index h) const {
+    const Index e = mesh.edge(h);
+    return mesh.halfedge(e) == h ? rho_e[2 * std::int64_t{e}] : rho_e[2 * std::int64_t{e} + 1] - pi<T>;
+  }
+  /// rho_{vj -> e_ij} for halfedge h = i -> j: the direction of h seen at its far end.
+  [[nodiscard]] T rho_end(const Mesh& mesh, Index h) const {
+    const Index e = mesh.edge(h);
+    return mesh.halfedge(e) == h ? rho_e[2 * std::int64_t{e} + 1] : rho_e[2 * std::int64_t{e}] - pi<T>;
+  }
+  /// eps_ij along halfedge h, antisymmetric.
+  [[nodiscard]] T eps_along(const Mesh& mesh, Index h) const {
+    const Index e = mesh.edge(h);
+    return mesh.halfedge(e) == h ? eps[e] : -eps[e];
+  }
+  /// rho_{e -> t} of halfedge h as the connection sees it: minus the halfedge's direction in its face, plus alpha.
+  [[nodiscard]] T edge_to_face(const Geometry<T>& geometry, Index h) const {
+    return (alpha.size() ? alpha[h] : T(0)) - geometry.direction(h);
+  }
+};
+
+/// Geodesic polar map (LTGD 2016, Sec. 5.1; Zhang, Mischaikow, Turk 2006; Knoeppel et al. 2013): corner angles scaled to
+/// 2 pi around interior vertices, kept at boundary vertices.
+template <class T>
+[[nodiscard]] Connection<T> polar(const Mesh& mesh, const Geometry<T>& geometry, const PolarOptions& options = {});
+
+/// Locally optimal (LTGD 2016, Sec. 5.2): the polar map's edges with tau = -K/3 on every halfedge.
+template <class T>
+[[nodiscard]] Connection<T> locally_optimal(const Mesh& mesh, const Geometry<T>& geometry);
+
+/// Globally optimal (LTGD 2016, Sec. 5.3): minimises D_T + detail * D_E over all of rho, by conjugate gradients on the
+/// local system left after eliminating rho_{v->e}; O(V), no factorisation. Throws OptionError for bad options.
+template <class T>
+[[nodiscard]] Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry,
+                                             const GlobalOptions& options = {});
+
+/// D_T and D_E of any connection under the given options (detail is not applied).
+template <class T>
+void measure_deviation(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options,
+                       Connection<T>& connection);
+
+namespace detail {
+
+/// The lifted state that every construction starts from and the optimisation corrects. Per halfedge h = i -> j of face t:
+/// start = rho_{vi->t} - rho_{vi->e} - rho_{e->t}, end = rho_{vj->t} - rho_{vj->e} - rho_{e->t};
+/// then tau = eps - start + end, without any modulus.
+template <class T>
+struct LiftedResiduals {
+  VectorX<T> start, end;
+};
+
+/// Assembles a connection from the curvature each interior vertex shall have: the corner angles seen are
+/// angle + alpha_h - alpha_prev(h), each takes the share curvature(v) * angle / angle_sum of its vertex's curvature.
+/// With curvature = angle defect and no alpha this is the polar map. `residuals` receives the lifted state.
+template <class T>
+[[nodiscard]] Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry,
+                                             const VectorX<T>& vertex_curvature, const VectorX<T>& alpha,
+                                             PolarCenter center, LiftedResiduals<T>& residuals);
+
+/// Moves rho_{v->t} so that tau = -K/3.
+template <class T>
+void optimise_locally(const Mesh& mesh, Connection<T>& connection, LiftedResiduals<T>& residuals);
+
+/// Minimises D_T + detail D_E from here; with `fix_rho` the vertex-to-vertex rotations (hence every K) stay.
+template <class T>
+void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options, bool fix_rho,
+                       Connection<T>& connection, LiftedResiduals<T>& residuals);
+
+}  // namespace detail
+
+}  // namespace alcap

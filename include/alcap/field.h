@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+//
+// field.h: the result of every design: an n-vector field, one complex number per vertex together with the frames that
+// give it meaning and n. u[v] = z^n where z is any of the n branches in the frame of vertex v: a vector field for n = 1,
+// a line field for n = 2, a cross field for n = 4. Zero at vertices that no face uses.
+//
+//   Eigen::MatrixXd d = field.vectors(0);          // #V x 3, the first branch
+//   auto unit = alcap::normalised(field);          // n-direction field (n-RoSy)
+#pragma once
+
+#include <vector>
+
+#include "alcap/frames.h"
+
+namespace alcap {
+
+template <class T>
+struct Field {
+  int n = 1;
+  ComplexVectorX<T> u;                      ///< #V, the n-th power of any branch, in vertex frames
+  std::shared_ptr<const Frames<T>> frames;  ///< of the vertices; empty only on surfaces that lie in no space
+
+  /// Branch k (0 <= k < n) at vertex v: the n-th root of u[v] with argument (arg u + 2 pi k) / n.
+  [[nodiscard]] Complex<T> branch(Index v, int k = 0) const;
+  /// Branch k as vectors in space, #V x 3. Throws OptionError when k is out of range or there are no frames.
+  [[nodiscard]] Positions<T> vectors(int k = 0) const;
+  /// All n branches side by side, #V x 3n (the layout of raw fields).
+  [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> raw() const;
+};
+
+/// The n-direction field of an n-vector field: |u| = 1 wherever u is not zero.
+template <class T>
+[[nodiscard]] Field<T> normalised(Field<T> field);
+
+/// From vectors in space (#V x 3, one branch each; projected to the tangent planes).
+template <class T>
+[[nodiscard]] Field<T> from_vectors(int n, const Positions<T>& vectors, std::shared_ptr<const Frames<T>> frames);
+
+/// The field at the barycenters of the faces in face frames (#F): the closed-form basis of LTGD 2016, Sec. 4.3. `frames` of
+/// the result are those of the faces.
+template <class T>
+[[nodiscard]] Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
+                                const Field<T>& field, std::shared_ptr<const Frames<T>> face_frames);
+
+extern template struct Field<float>;
+extern template struct Field<double>;
+
+}  // namespace alcap

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+//
+// mesh.h: the connectivity of an oriented 2-manifold triangle mesh as immutable half-edge arrays.
+//
+// Halfedge h = 3 t + c runs from F(t,c) to F(t,(c+1)%3); corner h is the corner at its tail. Vertices and faces
+// keep the user's numbers. Edges are numbered by the smaller of their halfedges (the canonical one), in order.
+//
+//   Eigen::MatrixXi F = ...;                   // #F x 3, counter-clockwise
+//   alcap::Mesh mesh(F, V.rows());             // throws MeshError and names the elements if it cannot
+//   for (Index h = mesh.first(v); h != none; h = mesh.next_around(h, v)) { ... }   // the corners around v
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "alcap/conventions.h"
+
+namespace alcap {
+
+class Mesh {
+ public:
+  Mesh() = default;
+
+  /// Builds from faces (#F x 3, indices in [0, vertex_count)). Vertices that no face uses are allowed.
+  /// Throws MeshError (empty, index_out_of_range, repeated_vertex_in_face, duplicate_face, non_manifold_edge,
+  /// inconsistent_orientation, not_orientable, non_manifold_vertex) naming the elements. O(F), parallel.
+  Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count);
+
+  [[nodiscard]] Index vertices() const { return vertex_count_; }
+  [[nodiscard]] Index faces() const { return static_cast<Index>(F_.rows()); }
+  [[nodiscard]] Index edges() const { return static_cast<Index>(edge_halfedge_.size()); }
+  [[nodiscard]] Index halfedges() const { return 3 * faces(); }
+  [[nodiscard]] Index boundary_edges() const { return boundary_edges_; }
+  [[nodiscard]] Index referenced_vertices() const { return referenced_; }
+  [[nodiscard]] const Faces& F() const { return F_; }
+
+  [[nodiscard]] static Index face(Index h) { return h / 3; }
+  [[nodiscard]] static Index next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  [[nodiscard]] static Index prev(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  [[nodiscard]] Index tail(Index h) const { return F_.data()[h]; }
+  [[nodiscard]] Index tip(Index h) const { return F_.data()[next(h)]; }
+
+  /// The halfedge on the other side, or `none` on the boundary.
+  [[nodiscard]] Index twin(Index h) const { return twin_[static_cast<std::size_t>(h)]; }
+  /// The edge of halfedge h.
+  [[nodiscard]] Index edge(Index h) const { return edge_[static_cast<std::size_t>(h)]; }
+  /// The canonical halfedge of edge e.
+  [[nodiscard]] Index halfedge(Index e) const { return edge_halfedge_[static_cast<std::size_t>(e)]; }
+  /// Whether h is the canonical halfedge of its edge.
+  [[nodiscard]] bool canonical(Index h) const { return halfedge(edge(h)) == h; }
+
+  /// The first halfedge that leaves v: the smallest at an interior vertex, the boundary halfedge at a boundary vertex
+  /// (so that walking counter-clockwise meets every corner); `none` when no face uses v.
+  [[nodiscard]] Index first(Index v) const { return first_[static_cast<std::size_t>(v)]; }
+  /// The next halfedge counter-clockwise around the tail of h, `none` after the last: at a boundary, or back at first(v).
+  [[nodiscard]] Index next_around(Index h, Index v) const {
+    const Index n = twin(prev(h));
+    return n == first(v) ? none : n;
+  }
+
+  [[nodiscard]] bool boundary_halfedge(Index h) const { return twin(h) == none; }
+  [[nodiscard]] bool boundary_vertex(Index v) const { return first(v) != none && twin(first(v)) == none; }
+  [[nodiscard]] bool referenced(Index v) const { return first(v) != none; }
+
+  /// Calls body(h) for the halfedges that leave v, counter-clockwise.
+  template <class Body>
+  void for_each_outgoing(Index v, Body&& body) const {
+    for (Index h = first(v); h != none; h = next_around(h, v)) body(h);
+  }
+
+ private:
+  Faces F_;
+  std::vector<Index> twin_, edge_, edge_halfedge_, first_;
+  Index vertex_count_ = 0;
+  Index boundary_edges_ = 0;
+  Index referenced_ = 0;
+};
+
+}  // namespace alcap

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+//
+// mesh_check.h: every defect of a triangle mesh at once, with the elements named and what to do about them, and the
+// two repairs that change no geometry. Mesh and Geometry refuse a bad mesh with the first of these; `alcap info`
+// prints them all.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "alcap/conventions.h"
+
+namespace alcap {
+
+/// One kind of defect: how many elements have it and which come first.
+struct DefectReport {
+  Defect defect{};
+  Element element{};
+  std::int64_t count = 0;
+  /// The first offenders (at most 8): vertex or face numbers, or pairs of vertices for edges.
+  std::vector<Index> first;
+  /// One sentence with the count, the names and the remedy.
+  std::string message;
+};
+
+/// All topological defects of F (#F x 3) over `vertex_count` vertices; empty means Mesh(F, vertex_count) works.
+[[nodiscard]] std::vector<DefectReport> find_defects(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count);
+
+/// All geometric defects of faces with in-range indices: points that are not finite, edges of length zero, faces of
+/// area zero (altitude below the rounding of the coordinates).
+template <class T>
+[[nodiscard]] std::vector<DefectReport> find_defects(const Positions<T>& V, const Eigen::Ref<const Faces>& F);
+
+/// Throws a report as MeshError.
+[[noreturn]] void throw_defect(const DefectReport& report);
+
+/// Whether the altitude of a triangle over its longest edge is below the rounding of its coordinates.
+template <class T>
+[[nodiscard]] bool degenerate(const Eigen::Matrix<T, 1, 3>& a, const Eigen::Matrix<T, 1, 3>& b,
+                              const Eigen::Matrix<T, 1, 3>& c) {
+  const Eigen::Matrix<T, 1, 3> ab = b - a, bc = c - b, ca = a - c;
+  const T longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
+  const T size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  const T twice_area = ab.cross(-ca).norm();
+  return !(twice_area > T(4) * std::numeric_limits<T>::epsilon() * size * longest);
+}
+
+/// Faces re-oriented so that neighbours agree: in each component the orientation of its smallest face wins.
+/// `flipped` receives the numbers of the turned faces. Throws MeshError when that cannot be done (not_orientable, naming
+/// a face), or an edge has more than two faces.
+[[nodiscard]] Faces repair_orientation(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count,
+                                       std::vector<Index>* flipped = nullptr);
+
+/// Faces that use, for every vertex, the first vertex at exactly the same position: welds triangle soups. Vertices keep
+/// their numbers; the duplicates stay, unreferenced.
+template <class T>
+[[nodiscard]] Faces repair_weld(const Positions<T>& V, const Eigen::Ref<const Faces>& F);
+
+/// How many vertices share their exact position with an earlier one.
+template <class T>
+[[nodiscard]] std::int64_t duplicate_positions(const Positions<T>& V);
+
+}  // namespace alcap

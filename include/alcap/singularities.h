@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+//
+// singularities.h: where an n-field vanishes: the index of every face, the zero inside it and its orientation.
+//
+// The index of a face is (1/2pi) [sum over its halfedges of wrap(arg u_j - arg u_i + n rho_ij) + n K], an integer count of
+// n-ths (LTGD 2016, Sec. 4; math of Crane et al. 2010). On a closed surface the counts sum to n chi (Poincare-Hopf).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "alcap/field.h"
+#include "alcap/topology.h"
+
+namespace alcap {
+
+struct Singularity {
+  Index face = none;
+  std::array<double, 3> barycentric{};  ///< where the field vanishes inside the face; the barycenter when not found
+  int index = 0;                        ///< in n-ths: a cross field's +1/4 has index 1, n = 4
+  /// Turn of the pattern around its own centre, radians, in the face's frame: theta in u ~ r exp(i(...)), see docs.
+  double orientation = 0;
+  bool located = false;  ///< whether the zero was found inside the face to rounding
+};
+
+struct IndexSum {
+  std::int64_t sum = 0;       ///< sum of face counts (n-ths)
+  std::int64_t expected = 0;  ///< n chi + turns of the field along the boundary loops relative to their tangents
+};
+
+/// Counts of n-ths per face, #F. Where u is exactly zero at a corner its argument counts as 0: sums still hold.
+[[nodiscard]] std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connection,
+                                            const Field<double>& field);
+
+/// All faces of non-zero index, with position and orientation, in order of faces.
+[[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
+                                                          const Connection<double>& connection,
+                                                          const Field<double>& field);
+
+/// Poincare-Hopf, one entry per component. On components with boundary the expected value uses the field's own turns along
+/// the loops, computed from boundary data alone.
+[[nodiscard]] std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,
+                                               const Connection<double>& connection, const Field<double>& field,
+                                               const std::vector<int>& indices, const Topology& topology);
+
+}  // namespace alcap

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+//
+// solve.h: sparse solvers behind one small interface. Matrices are Hermitian (complex) or symmetric (real) with both
+// triangles stored, positive definite unless said otherwise. Backends live in solvers/, one file and one line of
+// solvers/factory.cpp each, and are chosen by name.
+//
+//   auto solver = alcap::make_linear_solver<std::complex<double>>({.name = "cholmod"});
+//   solver->analyse(A);                 // pattern only: reuse for any values
+//   solver->factorise(A);               // values
+//   SolveReport r = solver->solve(B, X);  // any number of right-hand sides
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <complex>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "alcap/conventions.h"
+
+namespace alcap {
+
+template <class Scalar>
+using SparseMatrix = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, Index>;
+template <class Scalar>
+using MatrixX = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+
+/// What a linear solve did. Times in seconds.
+struct SolveReport {
+  std::string solver;          ///< the backend and its choices, e.g. "cholmod (metis)"
+  bool converged = false;
+  int iterations = 0;          ///< 0 for direct solvers
+  double residual = 0;         ///< max over columns of |A x - b| / |b|, recomputed
+  double analyse_seconds = 0;
+  double factorise_seconds = 0;
+  double solve_seconds = 0;
+  std::int64_t factor_nonzeros = 0;  ///< of the factor or the hierarchy
+};
+
+struct SolverOptions {
+  /// "auto" picks the fastest compiled-in backend for the size; see linear_solvers() for the names.
+  std::string name = "auto";
+  double tolerance = 1e-10;   // iterative backends: relative residual
+  int max_iterations = 1000;  // iterative backends
+};
+
+/// One factorisation: analyse once per pattern, factorise once per set of values, solve as often as wanted.
+/// solve() is const and may run on several threads at once.
+template <class Scalar>
+class LinearSolver {
+ public:
+  virtual ~LinearSolver() = default;
+  /// Ordering and symbolic analysis of A's pattern. Throws SolveError when memory runs out.
+  virtual void analyse(const SparseMatrix<Scalar>& A) = 0;
+  /// Numeric factorisation; A must have the analysed pattern. Throws SolveError when A is not positive definite.
+  virtual void factorise(const SparseMatrix<Scalar>& A) = 0;
+  /// Solves A X = B for the columns of B. The residual in the report is left at 0 by direct backends: recompute it where
+  /// it matters, with residual().
+  virtual SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const = 0;
+  [[nodiscard]] virtual std::string name() const = 0;
+};
+
+/// Throws OptionError for an unknown name (and lists the known ones). Scalars: double, std::complex<double>.
+template <class Scalar>
+[[nodiscard]] std::unique_ptr<LinearSolver<Scalar>> make_linear_solver(const SolverOptions& options = {});
+
+/// Names of the linear backends compiled in.
+[[nodiscard]] std::vector<std::string> linear_solvers();
+
+/// max over columns of |A x - b| / |b|.
+template <class Scalar>
+[[nodiscard]] double residual(const SparseMatrix<Scalar>& A, const Eigen::Ref<const MatrixX<Scalar>>& X,
+                              const Eigen::Ref<const MatrixX<Scalar>>& B);
+
+/// y = A x for a Hermitian matrix with both triangles stored; parallel over columns, bitwise independent of threads.
+void hermitian_product(const SparseMatrix<std::complex<double>>& A, const std::complex<double>* x,
+                       std::complex<double>* y);
+
+struct EigenOptions {
+  /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked.
+  double tolerance = 1e-8;
+  std::string solver = "auto";      // linear backend inside shift-invert
+  int max_iterations = 1000;        // operator applications before giving up
+  std::uint64_t seed = 1;           // of the start vector
+};
+
+/// What an eigensolve did.
+struct EigenReport {
+  std::string solver;       ///< e.g. "shift-invert Lanczos, cholmod (amd)"
+  bool converged = false;
+  int iterations = 0;       ///< operator applications (linear solves)
+  double lambda = 0;        ///< smallest eigenvalue
+  double next = 0;          ///< the next one, counted with multiplicity as far as found
+  double residual = 0;      ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
+  double seconds = 0;
+  std::string message;      ///< empty when all is well
+};
+
+struct EigenResult {
+  ComplexVectorX<double> u;  ///< |u|_M = 1, phase fixed: the entry of largest modulus region is positive real
+  EigenReport report;
+};
+
+/// Smallest eigenpair of S u = lambda M u, S Hermitian positive semidefinite, M Hermitian positive definite.
+/// `area` (the surface's) gives the scale of eigenvalues, so that lambda = 0 is judged sensibly.
+[[nodiscard]] EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S,
+                                             const SparseMatrix<std::complex<double>>& M, double area,
+                                             const EigenOptions& options = {});
+
+}  // namespace alcap
