@@ -1,4 +1,7 @@
-# Finds SuiteSparse's CHOLMOD and defines the target CHOLMOD::CHOLMOD.
+# SPDX-License-Identifier: MIT
+#
+# Finds SuiteSparse's CHOLMOD and defines the target CHOLMOD::CHOLMOD. Installed beside alcapConfig.cmake,
+# because linking a static alcap needs it again.
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse)
 find_library(CHOLMOD_LIBRARY cholmod)
 include(FindPackageHandleStandardArgs)
@@ -6,7 +9,7 @@ find_package_handle_standard_args(CHOLMOD REQUIRED_VARS CHOLMOD_LIBRARY CHOLMOD_
 if(CHOLMOD_FOUND AND NOT TARGET CHOLMOD::CHOLMOD)
   add_library(CHOLMOD::CHOLMOD UNKNOWN IMPORTED)
   set_target_properties(CHOLMOD::CHOLMOD PROPERTIES
-    IMPORTED_LOCATION ${CHOLMOD_LIBRARY}
-    INTERFACE_INCLUDE_DIRECTORIES ${CHOLMOD_INCLUDE_DIR})
+    IMPORTED_LOCATION "${CHOLMOD_LIBRARY}"
+    INTERFACE_INCLUDE_DIRECTORIES "${CHOLMOD_INCLUDE_DIR}")
 endif()
 mark_as_advanced(CHOLMOD_INCLUDE_DIR CHOLMOD_LIBRARY)

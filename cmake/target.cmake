@@ -1,13 +1,49 @@
+# SPDX-License-Identifier: MIT
+#
+# The library target: what it exposes, what it keeps to itself. Included after add_library(alcap ...).
+
+# alcap_private_flags(target): warnings, and the folder that makes "kernels/..." includable, for alcap's own
+# targets (library, tool, tests, benchmarks). Never inherited by a target that links alcap.
+function(alcap_private_flags target)
+  target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion
+    $<$<BOOL:${ALCAP_WARNINGS_AS_ERRORS}>:-Werror>)
+  # Parallel loops are annotated for ThreadSanitizer by hand; gcc warns about something else (fences) in TBB.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_FLAGS MATCHES "fsanitize=thread")
+    target_compile_options(${target} PRIVATE -Wno-tsan)
+  endif()
+endfunction()
+
 add_library(alcap::alcap ALIAS alcap)
+alcap_private_flags(alcap)
 target_compile_features(alcap PUBLIC cxx_std_20)
-target_include_directories(alcap PUBLIC
-  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
-  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
-  $<INSTALL_INTERFACE:include>)
-target_link_libraries(alcap PUBLIC Eigen3::Eigen PRIVATE TBB::tbb)
+target_include_directories(alcap PRIVATE ${PROJECT_SOURCE_DIR}/src)
+target_include_directories(alcap PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
+target_link_libraries(alcap
+  PUBLIC Eigen3::Eigen
+  PRIVATE TBB::tbb $<BUILD_INTERFACE:alcap_dep_SPECTRA> $<BUILD_INTERFACE:alcap_dep_FAST_FLOAT>
+          $<BUILD_INTERFACE:alcap_dep_XSIMD>)
+target_compile_definitions(alcap PRIVATE ALCAP_VERSION="${PROJECT_VERSION}")
 if(ALCAP_WITH_CHOLMOD)
   target_link_libraries(alcap PRIVATE CHOLMOD::CHOLMOD)
   target_compile_definitions(alcap PRIVATE ALCAP_WITH_CHOLMOD)
 endif()
-target_compile_options(alcap PRIVATE -Wall -Wextra -Wpedantic -Wconversion
-  $<$<BOOL:${ALCAP_WARNINGS_AS_ERRORS}>:-Werror> $<$<BOOL:${ALCAP_NATIVE}>:-march=native>)
+if(ALCAP_NATIVE)
+  # Public: Eigen's memory alignment follows the instruction set, so both sides of the API must be compiled alike.
+  target_compile_options(alcap PUBLIC -march=native)
+endif()
+
+# A static alcap inside somebody's shared library exports nothing from there. A shared alcap exports its functions.
+set_target_properties(alcap PROPERTIES
+  VERSION ${PROJECT_VERSION}
+  SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+  VISIBILITY_INLINES_HIDDEN ON
+  POSITION_INDEPENDENT_CODE ON)
+get_target_property(alcap_type alcap TYPE)
+if(alcap_type STREQUAL "STATIC_LIBRARY")
+  set_target_properties(alcap PROPERTIES CXX_VISIBILITY_PRESET hidden)
+endif()
+
+if(ALCAP_INSTALL)
+  include(cmake/install.cmake)
+endif()

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: MIT
+//
+// A user of the installed library.
+#include <alcap/conventions.h>
+#include <alcap/version.h>
+
+#include <iostream>
+
+int main() {
+  std::cout << "alcap " << alcap::version() << ", wrap(7) = " << alcap::wrap(7.0) << "\n";
+  return alcap::wrap(7.0) < 1.0 ? 0 : 1;
+}
