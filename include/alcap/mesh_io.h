@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+//
+// mesh_io.h: triangle meshes from and to files.
+//
+// Read: OBJ, OFF (with its C, N, ST variants), PLY (ascii, binary of both endians), STL (ascii, binary).
+// Write: OFF, OBJ, PLY (binary little endian); doubles come back bit for bit.
+//
+// The numbering is the user's: row i of V is the i-th vertex of the file, row k of F its k-th face (with polygons, its
+// k-th triangle). Nothing is dropped, merged or reordered; only STL, which has no vertices, is welded: corners at
+// exactly the same position (-0 equals 0) become one vertex, numbered by first appearance.
+//
+// The readers are strict. What is not a number (1.5abc, 1,5, 0x10, nan, 1e999) is an error that gives the line and the
+// text, never another number. Every failure is a FileError with the path, the line or byte, and what to do.
+// A regular file is mapped into memory while it is read; do not shorten it meanwhile.
+//
+//   alcap::MeshFile file = alcap::read_mesh("bunny.ply");
+//   alcap::write_mesh("bunny.off", file.V, file.F);
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "alcap/conventions.h"
+
+namespace alcap {
+
+struct ReadOptions {
+  enum class Polygons { triangulate, refuse };
+
+  /// What to do with faces of more than three corners. `triangulate` keeps all vertices and adds none: a polygon whose
+  /// fan from the first corner has no flipped or flat triangle becomes that fan; every other one is cut ear by ear in
+  /// the plane across its area vector (a concave quad: along the diagonal at its reflex corner). On by default because
+  /// quads are common and the choice of diagonal rarely matters.
+  Polygons polygons = Polygons::triangulate;
+
+  /// Name of the format ("obj", "off", "ply", "stl"). Empty: by content, then by extension, so that a wrong extension
+  /// does no harm.
+  std::string format = {};
+};
+
+/// What a mesh file held.
+struct MeshFile {
+  /// Lines (OBJ) or elements (PLY) of one kind that carry no surface, such as "vt", "l" or "edge".
+  struct Ignored {
+    std::string kind;
+    std::int64_t count = 0;
+  };
+
+  Positions<double> V;            ///< #V x 3, in the units of the file; all finite
+  Faces F;                        ///< #F x 3, orientation as in the file; indices in [0, #V)
+  std::vector<Index> polygon_of;  ///< #F, number of the file's polygon; empty when all faces were triangles
+  std::string format;             ///< "obj", "off", "ply" or "stl"
+  std::vector<Ignored> ignored;   ///< in order of first appearance
+  std::int64_t bytes = 0;         ///< size of the file
+};
+
+/// Reads a mesh. Throws FileError (missing, unreadable, empty, a directory, cut, malformed, no vertices, no faces,
+/// index out of range, a number that is not finite) and OptionError (unknown format). Does not check the topology:
+/// mesh.h does.
+[[nodiscard]] MeshFile read_mesh(const std::filesystem::path& path, const ReadOptions& options = {});
+
+/// The same from memory; `format` as in ReadOptions (which it replaces).
+[[nodiscard]] MeshFile read_mesh_from_memory(std::string_view bytes, std::string_view format = {},
+                                             const ReadOptions& options = {});
+
+/// Writes V (#V x 3) and F (#F x 3) in the format of the extension: .off, .obj or .ply. The file appears complete or
+/// not at all. Throws MeshError (empty, index out of range, not finite) and FileError (other extension, cannot be
+/// written).
+void write_mesh(const std::filesystem::path& path, const Positions<double>& V, const Faces& F);
+
+/// Names of the formats that can be read.
+[[nodiscard]] std::vector<std::string> mesh_formats();
+
+}  // namespace alcap
