@@ -8,12 +8,12 @@ get_filename_component(ROOT "${ROOT}" ABSOLUTE)
 # layer it is named after (the longest name that fits) and may include that header and everything above it.
 set(layers
   errors version conventions parallel
+  solve
   mesh_check mesh mesh_io generators topology
   geometry
   connection
   frames
-  operators energies assembly
-  solve
+  operators assembly energies
   field
   design
   singularities streamlines
@@ -23,6 +23,8 @@ set(layers
 set(also
   "^solvers/ = solve"
   "^src/io/ = mesh_io"
+  "^src/face_edges = mesh_check"
+  "^src/homology = topology"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
   "^include/alcap/detail/atomic_file = errors"

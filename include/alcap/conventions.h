@@ -27,6 +27,7 @@
 #include <numbers>
 
 #include "alcap/errors.h"
+#include "alcap/version.h"
 
 namespace alcap {
 

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# test.sh [--preset NAME] [ctest options]: installs what is missing, builds everything, runs every test.
+# Presets: release (default), dev, asan, tsan, ci. Example: scripts/test.sh --preset asan -R mesh
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+preset=release
+while [ $# -gt 0 ]; do
+  case $1 in
+    --preset) [ $# -ge 2 ] || die "--preset needs a name"; preset=$2; shift 2 ;;
+    -h | --help) sed -n '4,5s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) break ;;
+  esac
+done
+
+install_packages "${build_packages[@]}" ccache libbenchmark-dev
+# VTK reads our VTP files back. It is large, so a machine that cannot have it skips that one test, and says so.
+if ! try_install python3-vtk9; then
+  say "WARNING: the test that reads our VTP files back with VTK will be skipped: $why"
+fi
+build "$preset"
+
+say "Running the tests"
+cd "$root/build/$preset"
+ctest --output-on-failure --no-tests=error -j "$(nproc)" "$@" || die "some tests failed; their output is above." \
+  "Run one again with: scripts/test.sh --preset $preset -R NAME"
