@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+//
+// operators.h: first-order derivatives of n-vector fields: integrated divergence and curl (P) and their reflected pair
+// (Q) per face, and the field with its covariant derivative at any point (LTGD 2016, Sec. 6.3 and App. A).
+//
+//   auto ops = alcap::first_order_operators(mesh, geometry, connection, {.n = 1});
+//   auto f = alcap::apply(mesh, ops.p, u);            // f[t] = integral over t of div u + i curl u
+//   auto g = alcap::apply(mesh, ops.q, u);            // the reflected pair, twice the Cauchy-Riemann derivative
+//   auto x = alcap::face_field(mesh, geometry, connection, 1, u, t).at({0.2, 0.3, 0.5});   // x.div(), x.curl(), ...
+//
+// With covariant derivatives D_1, D_2 along the face frame, P integrates D_1 - i D_2 and Q integrates D_1 + i D_2. P u
+// is an (n-1)-vector and Q u an (n+1)-vector in the face frames. Both keep their values under uniform scaling with the
+// length: field values fixed, lengths times s, give s P u.
+#pragma once
+
+#include <array>
+
+#include <Eigen/SparseCore>
+
+#include "alcap/connection.h"
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+
+namespace alcap {
+
+/// How the integral over a face is taken.
+enum class OperatorKind {
+  edge,      ///< boundary integral of the field interpolated along the edges (Stokes): sums over patches telescope
+  triangle,  ///< area integral of the closed-form basis inside the face: matches FaceField exactly
+};
+
+struct OperatorOptions {
+  int n = 1;                               // 1 vector field, 2 line field, 4 cross field; any integer is legal
+  OperatorKind kind = OperatorKind::edge;  // more accurate on fine meshes, and exact over patches
+};
+
+/// The operators P and Q, #F x #V complex with three entries a row. p[3 t + c] is the entry of P in row t and column
+/// F(t,c). P and Q have full column rank up to fields that are (anti)holomorphic; neither is symmetric in any sense.
+template <class T>
+struct FirstOrderOperators {
+  OperatorOptions options;
+  ComplexVectorX<T> p;  ///< 3 #F, units of length
+  ComplexVectorX<T> q;  ///< 3 #F, units of length
+};
+
+/// Builds P and Q. O(F), parallel, bitwise independent of threads. Edge-based operators of a trivial connection take
+/// values from edges to faces by the connection (alpha) and integrate along the edge's true direction.
+template <class T>
+[[nodiscard]] FirstOrderOperators<T> first_order_operators(const Mesh& mesh, const Geometry<T>& geometry,
+                                                           const Connection<T>& connection,
+                                                           const OperatorOptions& options = {});
+
+/// Values per face (#F): sum over the corners c of coefficients[3 t + c] u[F(t,c)]. `coefficients` is p or q.
+template <class T>
+[[nodiscard]] ComplexVectorX<T> apply(const Mesh& mesh, const ComplexVectorX<T>& coefficients,
+                                      const ComplexVectorX<T>& u);
+
+/// The adjoint, values per vertex (#V) from values per face (#F): the right-hand sides of LTGD 2016, Sec. 7.1. Zero at
+/// unreferenced vertices.
+template <class T>
+[[nodiscard]] ComplexVectorX<T> apply_adjoint(const Mesh& mesh, const ComplexVectorX<T>& coefficients,
+                                              const ComplexVectorX<T>& faces);
+
+template <class T>
+using FaceVertexMatrix = Eigen::SparseMatrix<Complex<T>, Eigen::RowMajor, Index>;
+
+/// p or q as a sparse matrix, #F x #V, columns sorted in each row.
+template <class T>
+[[nodiscard]] FaceVertexMatrix<T> face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<T>& coefficients);
+
+/// Energies as sums over faces of squared face means: E_A = 1/2 sum |P u|^2 / A, E_H = 1/2 sum |Q u|^2 / A.
+/// They are lower bounds of the exact energies of energies.h when the operators are triangle-based, and E_A - E_H of an
+/// edge- based unit field is 2 pi chi nearly exactly on closed surfaces (n = 1).
+struct OperatorEnergies {
+  double antiholomorphic = 0;  ///< E_A, vanishes where div and curl do
+  double holomorphic = 0;      ///< E_H, vanishes where the reflected pair does
+  [[nodiscard]] double dirichlet() const { return (antiholomorphic + holomorphic) / 2; }  ///< 1/2 integral |grad u|^2
+};
+template <class T>
+[[nodiscard]] OperatorEnergies operator_energies(const Mesh& mesh, const Geometry<T>& geometry,
+                                                 const FirstOrderOperators<T>& operators, const ComplexVectorX<T>& u);
+
+/// Flux through halfedge h out of its face, plus i times the circulation along it, of a vector field (n = 1) with
+/// vertex components u. The twin has the negative. The sum over a face's halfedges is the edge-based (P u)_t unless the
+/// connection has adjustment angles (alpha).
+template <class T>
+[[nodiscard]] Complex<T> flux_and_circulation(const Mesh& mesh, const Geometry<T>& geometry,
+                                              const Connection<T>& connection, const ComplexVectorX<T>& u, Index h);
+
+/// An n-field and its covariant derivatives at a point, in the frame of the face.
+template <class T>
+struct FieldValue {
+  Complex<T> u;       ///< the n-vector
+  Complex<T> d1, d2;  ///< derivatives along the frame's axes, per unit of length
+
+  /// Derivative along the tangent vector w (a complex number in the face frame).
+  [[nodiscard]] Complex<T> derivative(Complex<T> w) const { return w.real() * d1 + w.imag() * d2; }
+  /// div + i curl, an (n-1)-vector.
+  [[nodiscard]] Complex<T> div_curl() const { return d1 + Complex<T>(d2.imag(), -d2.real()); }
+  /// Reflected div + i reflected curl, an (n+1)-vector.
+  [[nodiscard]] Complex<T> reflected() const { return d1 + Complex<T>(-d2.imag(), d2.real()); }
+  /// The Cauchy-Riemann (antiholomorphic) derivative, half of the reflected pair.
+  [[nodiscard]] Complex<T> cauchy_riemann() const { return reflected() / T(2); }
+  [[nodiscard]] T div() const { return div_curl().real(); }
+  [[nodiscard]] T curl() const { return div_curl().imag(); }
+  /// |grad u|^2, its integral is twice the Dirichlet energy.
+  [[nodiscard]] T squared_gradient() const { return std::norm(d1) + std::norm(d2); }
+};
+
+/// A field inside one face: everything needed to evaluate it there many times.
+template <class T>
+struct FaceField {
+  T n = 1;
+  std::array<T, 3> rho{};            ///< vertex frame to face frame per corner
+  std::array<T, 3> tau{};            ///< lifted rotation per halfedge
+  std::array<Complex<T>, 3> grad{};  ///< gradients of the hat functions in the face frame
+  std::array<Complex<T>, 3> u{};     ///< values at the corners in vertex frames
+
+  /// The closed-form basis (LTGD 2016, Sec. 4.3) at barycentric coordinates that sum to 1.
+  [[nodiscard]] FieldValue<T> at(const std::array<T, 3>& barycentric) const;
+};
+
+/// The n-field with vertex components u (#V) inside face t.
+template <class T>
+[[nodiscard]] FaceField<T> face_field(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
+                                      int n, const ComplexVectorX<T>& u, Index t);
+
+extern template struct FaceField<float>;
+extern template struct FaceField<double>;
+
+}  // namespace alcap
