@@ -9,6 +9,7 @@
 #include "alcap/parallel.h"
 #include "kernels/basis.h"
 #include "kernels/edge_operators.h"
+#include "triangle_frame.h"
 
 namespace alcap {
 namespace {
@@ -38,22 +39,6 @@ void check_vertices(const Mesh& mesh, std::int64_t size) {
 }
 void check_coefficients(const Mesh& mesh, std::int64_t size) {
   check_size("coefficients", size, mesh.halfedges(), "needs three entries per face of the mesh");
-}
-
-// What the connection says about face t.
-template <class T>
-kernels::TriangleFrame<T> triangle_frame(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                                         Index t) {
-  kernels::TriangleFrame<T> f;
-  Cplx<T> edges[3];
-  for (Index c = 0; c < 3; ++c) {
-    const Index h = 3 * t + c;
-    f.rho[c] = connection.rho_t[h];
-    f.tau[c] = connection.tau[h];
-    edges[c] = geometry.length(mesh.edge(h)) * kernels::unit(geometry.direction(h));
-  }
-  kernels::hat_gradients(edges, geometry.area(t), f.grad);
-  return f;
 }
 
 template <class T>
@@ -108,7 +93,8 @@ FirstOrderOperators<T> first_order_operators(const Mesh& mesh, const Geometry<T>
         const kernels::TriangleOperator<T> op =
             options.kind == OperatorKind::edge
                 ? edge_based(mesh, geometry, connection, n, t)
-                : kernels::triangle_operator(triangle_frame(mesh, geometry, connection, t), geometry.area(t), n);
+                : kernels::triangle_operator(detail::triangle_frame(mesh, geometry, connection, t), geometry.area(t),
+                                             n);
         for (Index c = 0; c < 3; ++c) {
           out.p[3 * t + c] = from_kernel(op.p[c]);
           out.q[3 * t + c] = from_kernel(op.q[c]);
@@ -186,7 +172,7 @@ FaceField<T> face_field(const Mesh& mesh, const Geometry<T>& geometry, const Con
   check_vertices(mesh, u.size());
   if (t < 0 || t >= mesh.faces())
     throw OptionError("t", std::to_string(t), "must be a face, 0 to " + std::to_string(mesh.faces() - 1));
-  const kernels::TriangleFrame<T> f = triangle_frame(mesh, geometry, connection, t);
+  const kernels::TriangleFrame<T> f = detail::triangle_frame(mesh, geometry, connection, t);
   FaceField<T> out;
   out.n = static_cast<T>(n);
   for (std::size_t c = 0; c < 3; ++c) {
