@@ -5,7 +5,11 @@
 // prints them all.
 #pragma once
 
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,31 +28,41 @@ struct DefectReport {
   std::string message;
 };
 
-/// All topological defects of F (#F x 3) over `vertex_count` vertices; empty means Mesh(F, vertex_count) works.
+/// All topological defects of F (#F x 3) over `vertex_count` vertices, the ones to repair first in front: empty, index
+/// out of range, repeated vertex, duplicate face, non-manifold edge, not orientable, inconsistent orientation,
+/// non-manifold vertex. Nothing found means Mesh(F, vertex_count) works. A face that one of the first four names is
+/// left out of the later checks. Safe on any numbers; O(F log valence) time, 40 bytes a halfedge.
 [[nodiscard]] std::vector<DefectReport> find_defects(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count);
 
-/// All geometric defects of faces with in-range indices: points that are not finite, edges of length zero, faces of
-/// area zero (altitude below the rounding of the coordinates).
+/// All geometric defects of faces with in-range indices: points that are not finite (whether a face uses them or not),
+/// edges between vertices at the same position, faces of area zero that have no such edge (see degenerate()).
 template <class T>
 [[nodiscard]] std::vector<DefectReport> find_defects(const Positions<T>& V, const Eigen::Ref<const Faces>& F);
 
 /// Throws a report as MeshError.
 [[noreturn]] void throw_defect(const DefectReport& report);
 
-/// Whether the altitude of a triangle over its longest edge is below the rounding of its coordinates.
+/// Whether the altitude of a triangle over its longest edge is below the rounding of its coordinates, or a coordinate
+/// is not finite. The answer does not depend on the unit of length: everything is measured against the largest extent.
 template <class T>
 [[nodiscard]] bool degenerate(const Eigen::Matrix<T, 1, 3>& a, const Eigen::Matrix<T, 1, 3>& b,
                               const Eigen::Matrix<T, 1, 3>& c) {
-  const Eigen::Matrix<T, 1, 3> ab = b - a, bc = c - b, ca = a - c;
+  Eigen::Matrix<T, 1, 3> ab = b - a, bc = c - b, ca = a - c;
+  const T extent = std::max({ab.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff(), ca.cwiseAbs().maxCoeff()});
+  if (!(extent > 0 && extent <= std::numeric_limits<T>::max())) return true;
+  ab /= extent;
+  bc /= extent;
+  ca /= extent;
   const T longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
   const T size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
   const T twice_area = ab.cross(-ca).norm();
-  return !(twice_area > T(4) * std::numeric_limits<T>::epsilon() * size * longest);
+  return !(twice_area > T(4) * std::numeric_limits<T>::epsilon() * (size / extent) * longest);
 }
 
 /// Faces re-oriented so that neighbours agree: in each component the orientation of its smallest face wins.
-/// `flipped` receives the numbers of the turned faces. Throws MeshError when that cannot be done (not_orientable, naming
-/// a face), or an edge has more than two faces.
+/// `flipped` receives the numbers of the turned faces; a face is turned by exchanging its last two vertices. Throws
+/// MeshError when that cannot be done (not_orientable, naming a face of each one-sided component), or a face is broken
+/// or double, or an edge has more than two faces.
 [[nodiscard]] Faces repair_orientation(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count,
                                        std::vector<Index>* flipped = nullptr);
 

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// face_edges.h (internal): the edges of a bag of triangles that need not be a mesh, for finding and repairing defects.
+// Works for any in-range indices; edges may have any number of faces, run in any direction.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "alcap/conventions.h"
+
+namespace alcap::detail {
+
+using FacesRef = Eigen::Ref<const Faces>;
+
+/// Items grouped by a key in [0, keys): the items of key k are items[start[k]] ... items[start[k+1]-1], in order.
+struct Buckets {
+  std::vector<Index> start, items;
+};
+
+/// The halfedges 3 t + c of the faces with usable[t] != 0, grouped by edge; edges in order of their (smaller, larger)
+/// vertex, halfedges of an edge in order of their number. Usable faces must have three different in-range vertices.
+class FaceEdges {
+ public:
+  FaceEdges(const FacesRef& F, const std::vector<char>& usable);
+
+  [[nodiscard]] std::size_t edges() const { return begin_.size() - 1; }
+  /// The halfedges of an edge.
+  [[nodiscard]] std::span<const Index> halfedges(std::size_t edge) const {
+    return std::span(sorted_).subspan(static_cast<std::size_t>(begin_[edge]),
+                                      static_cast<std::size_t>(begin_[edge + 1] - begin_[edge]));
+  }
+
+ private:
+  std::vector<Index> sorted_, begin_;
+};
+
+/// How faces must be turned for neighbours to agree. Neighbours are the two faces of an edge that has exactly two.
+struct Orientation {
+  std::vector<char> turned;       // per face: against the smallest face of its piece
+  std::vector<Index> piece;       // per face, `none` where not usable
+  std::vector<Index> first_face;  // per piece
+  std::vector<char> orientable;   // per piece
+};
+[[nodiscard]] Orientation orient(const FacesRef& F, const std::vector<char>& usable, const FaceEdges& edges);
+
+/// Groups 0, 1, ..., count - 1 by key(i), which is in [0, keys) or `none` to leave i out.
+template <class Key>
+Buckets bucket(Index count, Index keys, Key&& key) {
+  Buckets b{std::vector<Index>(static_cast<std::size_t>(keys) + 1, 0), {}};
+  for (Index i = 0; i < count; ++i) {
+    const Index k = key(i);
+    if (k != none) ++b.start[static_cast<std::size_t>(k) + 1];
+  }
+  for (std::size_t k = 1; k < b.start.size(); ++k) b.start[k] += b.start[k - 1];
+  b.items.resize(static_cast<std::size_t>(b.start.back()));
+  std::vector<Index> at(b.start.begin(), b.start.end() - 1);
+  for (Index i = 0; i < count; ++i) {
+    const Index k = key(i);
+    if (k != none) b.items[static_cast<std::size_t>(at[static_cast<std::size_t>(k)]++)] = i;
+  }
+  return b;
+}
+
+/// One more than the largest vertex of the usable faces.
+[[nodiscard]] Index vertex_limit(const FacesRef& F, const std::vector<char>& usable);
+
+}  // namespace alcap::detail
