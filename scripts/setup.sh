@@ -17,7 +17,7 @@ say() { printf '\n== %s\n' "$*"; }
 die() {
   printf '\nStopped: %s\n' "$1" >&2
   shift
-  printf '  %s\n' "$@" >&2
+  [ $# -eq 0 ] || printf '  %s\n' "$@" >&2
   exit 1
 }
 
@@ -41,22 +41,24 @@ can_be_root() {
   [ "$(id -u)" = 0 ] || { command -v sudo >/dev/null && { sudo -n true 2>/dev/null || [ -t 0 ]; }; }
 }
 
-# install_packages names...: installs those that are missing; returns 1, with the reason in $why, where it cannot.
+# try_install names...: installs those that are missing; returns 1, with the reason in $why, where it cannot.
+why=
 try_install() {
   local missing
   why=
   if ! command -v dpkg-query >/dev/null; then
-    why="this is not Debian. Install what these Debian packages hold, then run cmake by hand (README.md): $*"
-    return 1
+    echo "   This is not Debian, so nothing is installed. Needed is what these Debian packages hold: $*"
+    return 0
   fi
   mapfile -t missing < <(missing_packages "$@")
   [ ${#missing[@]} -gt 0 ] || return 0
-  say "Installing ${#missing[@]} Debian packages: ${missing[*]}"
   if ! can_be_root; then
-    why="that takes root, and there is no way to it from here (not root, no sudo that works without a password).
-  Run this as root, then start again:  apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+    why="packages are missing, and there is no way from here to install them (not root, no sudo without a password).
+  Run this as root, then start again:
+  apt-get update && apt-get install -y --no-install-recommends ${missing[*]}"
     return 1
   fi
+  say "Installing ${#missing[@]} Debian packages: ${missing[*]}"
   echo "   fetching the list of packages (details in $log)"
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q -o DPkg::Lock::Timeout=300 </dev/null >"$log" 2>&1; then
     echo "   the list of packages could not be fetched whole; trying with what there is"
@@ -70,7 +72,21 @@ $(tail -n 8 "$log" | sed 's/^/    /')"
   fi
   echo "   done"
 }
+
+# install_packages names...: installs what is missing or stops.
 install_packages() { try_install "$@" || die "$why"; }
+
+# install_with OPTIONAL names...: as install_packages, but only says so (returning 1) where just OPTIONAL cannot be had.
+install_with() {
+  local optional=$1 reason
+  shift
+  try_install "$optional" "$@" && return 0
+  reason=$why
+  [ -z "$(missing_packages "$@")" ] || ! can_be_root || try_install "$@" || reason=$why
+  [ -z "$(missing_packages "$@")" ] || die "$reason"
+  why=$reason
+  return 1
+}
 
 # How many compilers at once: one per core, with 1.5 GB for each (templates are hungry), at least one.
 jobs() {

@@ -14,9 +14,8 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-install_packages "${build_packages[@]}" ccache libbenchmark-dev
 # VTK reads our VTP files back. It is large, so a machine that cannot have it skips that one test, and says so.
-if ! try_install python3-vtk9; then
+if ! install_with python3-vtk9 "${build_packages[@]}" ccache; then
   say "WARNING: the test that reads our VTP files back with VTK will be skipped: $why"
 fi
 build "$preset"

@@ -7,7 +7,7 @@ get_filename_component(ROOT "${ROOT}" ABSOLUTE)
 # include/alcap, in the order the data flows. A header includes only headers above it. src/NAME_*.cpp implements the
 # layer it is named after (the longest name that fits) and may include that header and everything above it.
 set(layers
-  errors version conventions parallel
+  errors version conventions parallel memory
   solve
   mesh_check mesh mesh_io generators topology
   geometry
@@ -17,6 +17,7 @@ set(layers
   field
   design
   singularities streamlines
+  pipeline
   output
   alcap)
 # Other files and folders (as regular expressions) = the layer they belong to.
@@ -25,6 +26,7 @@ set(also
   "^src/io/ = mesh_io"
   "^src/face_edges = mesh_check"
   "^src/homology = topology"
+  "^src/triangle_frame = connection"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
   "^include/alcap/detail/atomic_file = errors"
