@@ -21,11 +21,10 @@ FaceEdges::FaceEdges(const FacesRef& F, const std::vector<char>& usable) {
   const auto tail = [&](Index h) { return F(h / 3, h % 3); };
   const auto tip = [&](Index h) { return F(h / 3, (h + 1) % 3); };
   const auto larger = [&](Index h) { return std::max(tail(h), tip(h)); };
-  const Index limit = vertex_limit(F, usable);
-  Buckets b = bucket(static_cast<Index>(3 * F.rows()), limit, [&](Index h) {
+  Buckets b = bucket(static_cast<Index>(3 * F.rows()), vertex_limit(F, usable), [&](Index h) {
     return usable[static_cast<std::size_t>(h / 3)] != 0 ? std::min(tail(h), tip(h)) : none;
   });
-  parallel_for(limit, [&](std::int64_t v) {
+  parallel_for(static_cast<std::int64_t>(b.start.size()) - 1, [&](std::int64_t v) {
     Index* const items = b.items.data();
     std::sort(items + b.start[static_cast<std::size_t>(v)], items + b.start[static_cast<std::size_t>(v) + 1],
               [&](Index a, Index c) {

@@ -4,6 +4,7 @@
 // Works for any in-range indices; edges may have any number of faces, run in any direction.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace alcap::detail {
 
 using FacesRef = Eigen::Ref<const Faces>;
 
-/// Items grouped by a key in [0, keys): the items of key k are items[start[k]] ... items[start[k+1]-1], in order.
+/// Items with equal keys, in the order of the keys: group g is items[start[g]] ... items[start[g+1]-1], ascending.
+/// There may be empty groups.
 struct Buckets {
   std::vector<Index> start, items;
 };
@@ -44,10 +46,23 @@ struct Orientation {
 };
 [[nodiscard]] Orientation orient(const FacesRef& F, const std::vector<char>& usable, const FaceEdges& edges);
 
-/// Groups 0, 1, ..., count - 1 by key(i), which is in [0, keys) or `none` to leave i out.
+/// Groups 0, 1, ..., count - 1 by key(i), which is in [0, keys) or `none` to leave i out. Memory O(count), however many
+/// keys there could be.
 template <class Key>
 Buckets bucket(Index count, Index keys, Key&& key) {
-  Buckets b{std::vector<Index>(static_cast<std::size_t>(keys) + 1, 0), {}};
+  Buckets b;
+  if (keys / 8 > count) {  // few of the keys occur: sort instead of counting
+    for (Index i = 0; i < count; ++i) {
+      if (key(i) != none) b.items.push_back(i);
+    }
+    std::stable_sort(b.items.begin(), b.items.end(), [&](Index i, Index j) { return key(i) < key(j); });
+    for (std::size_t k = 0; k < b.items.size(); ++k) {
+      if (k == 0 || key(b.items[k]) != key(b.items[k - 1])) b.start.push_back(static_cast<Index>(k));
+    }
+    b.start.push_back(static_cast<Index>(b.items.size()));
+    return b;
+  }
+  b.start.assign(static_cast<std::size_t>(keys) + 1, 0);
   for (Index i = 0; i < count; ++i) {
     const Index k = key(i);
     if (k != none) ++b.start[static_cast<std::size_t>(k) + 1];

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <unordered_map>
 
@@ -63,6 +64,12 @@ Surface icosahedron() {
   return s;
 }
 
+/// Refuses a by b quads when their halfedges could not be numbered.
+void check_quads(std::int64_t a, std::int64_t b, const char* field) {
+  constexpr std::int64_t most = std::numeric_limits<Index>::max() / 6;
+  require(a * b <= most, field, std::to_string(b), "makes more faces than can be numbered");
+}
+
 Positions<double> torus_points(int nu, int nv, double R, double r) {
   Positions<double> V(static_cast<Eigen::Index>(nu) * nv, 3);
   for (int i = 0; i < nu; ++i) {
@@ -99,6 +106,7 @@ Faces torus_faces(int nu, int nv, Choice&& other_diagonal) {
 void check_torus(int nu, int nv, double R, double r) {
   at_least(nu, 3, "nu");
   at_least(nv, 3, "nv");
+  check_quads(nu, nv, "nv");
   positive(r, "r");
   require(R > r && std::isfinite(R), "R", std::to_string(R), "must be finite and larger than r");
 }
@@ -180,6 +188,7 @@ Surface torus_random_diagonals(int nu, int nv, double R, double r, std::uint64_t
 FlatTorus flat_torus(int nu, int nv) {
   at_least(nu, 3, "nu");
   at_least(nv, 3, "nv");
+  check_quads(nu, nv, "nv");
   FlatTorus s{std::int64_t{nu} * nv, torus_faces(nu, nv, [] { return false; }), {}};
   const double u = 1.0 / nu, v = 1.0 / nv, diagonal = std::hypot(u, v);
   s.lengths.resize(s.F.rows(), 3);
@@ -193,6 +202,7 @@ FlatTorus flat_torus(int nu, int nv) {
 Surface grid(int nx, int ny, double width, double height) {
   at_least(nx, 1, "nx");
   at_least(ny, 1, "ny");
+  check_quads(nx + std::int64_t{1}, ny + std::int64_t{1}, "ny");
   positive(width, "width");
   positive(height, "height");
   Surface s{Positions<double>((nx + Eigen::Index{1}) * (ny + 1), 3), Faces(2 * Eigen::Index{nx} * ny, 3)};
@@ -213,7 +223,7 @@ Surface grid(int nx, int ny, double width, double height) {
 
 Surface disk(int rings) {
   at_least(rings, 1, "rings");
-  require(rings <= 10000, "rings", std::to_string(rings), "must be at most 10000");
+  require(rings <= 8000, "rings", std::to_string(rings), "must be at most 8000");
   const Eigen::Index r = rings;
   Surface s{Positions<double>(1 + 3 * r * (r + 1), 3), Faces(6 * r * r, 3)};
   s.V.row(0).setZero();
@@ -239,6 +249,7 @@ Surface disk(int rings) {
 
 Surface fan(int count) {
   at_least(count, 3, "count");
+  check_quads(1, count, "count");
   Surface s{Positions<double>(Eigen::Index{count} + 1, 3), Faces(count, 3)};
   s.V.row(0).setZero();
   for (int k = 0; k < count; ++k) {
@@ -252,6 +263,7 @@ Surface fan(int count) {
 Surface cylinder(int nu, int nv, double radius, double height) {
   at_least(nu, 3, "nu");
   at_least(nv, 1, "nv");
+  check_quads(nu, nv + std::int64_t{1}, "nv");
   positive(radius, "radius");
   positive(height, "height");
   Surface s{Positions<double>(Eigen::Index{nu} * (nv + 1), 3), Faces(2 * Eigen::Index{nu} * nv, 3)};

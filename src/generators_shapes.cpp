@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -154,6 +155,9 @@ Surface genus_surface(int genus, int resolution) {
 Surface cad_like(int segments, int steps) {
   if (segments < 3) throw OptionError("segments", std::to_string(segments), "must be at least 3");
   if (steps < 1) throw OptionError("steps", std::to_string(steps), "must be at least 1");
+  if (std::int64_t{segments} * steps > std::numeric_limits<Index>::max() / 12) {
+    throw OptionError("steps", std::to_string(steps), "makes more faces than can be numbered");
+  }
   std::vector<Point> points;
   std::vector<Eigen::RowVector<Index, 3>> triangles;
   const auto add_ring = [&](double radius, double height) {

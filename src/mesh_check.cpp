@@ -194,15 +194,16 @@ void check_vertices(std::vector<DefectReport>& reports, const FacesRef& F, const
       join(next(h[0]), same_way ? next(h[k]) : h[k]);
     }
   }
-  std::vector<char> fans(static_cast<std::size_t>(detail::vertex_limit(F, usable)), 0);
+  std::vector<Index> fans;  // the vertex of each fan
   for (std::size_t c = 0; c < parent.size(); ++c) {
     if (usable[c / 3] == 0 || parent[c] != static_cast<Index>(c)) continue;
-    char& count = fans[static_cast<std::size_t>(F(static_cast<Eigen::Index>(c / 3), static_cast<Eigen::Index>(c % 3)))];
-    if (count < 2) ++count;
+    fans.push_back(F(static_cast<Eigen::Index>(c / 3), static_cast<Eigen::Index>(c % 3)));
   }
+  std::sort(fans.begin(), fans.end());
   Found found;
-  for (std::size_t v = 0; v < fans.size(); ++v) {
-    if (fans[v] > 1) found.add(static_cast<Index>(v));
+  for (std::size_t k = 1; k < fans.size(); ++k) {
+    const bool second_fan = fans[k] == fans[k - 1] && (k == 1 || fans[k] != fans[k - 2]);
+    if (second_fan) found.add(fans[k]);
   }
   report(reports, std::move(found), Defect::non_manifold_vertex, Element::vertex,
          "vertex joins parts of the surface that share no edge there (non-manifold, a bow-tie)",
