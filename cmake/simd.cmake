@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: MIT
+#
+# The loop over triangles, one copy per instruction set; src/simd/triangle_entries.cpp picks one at run time.
+target_sources(alcap PRIVATE
+  src/simd/entries_avx2.cpp
+  src/simd/entries_avx512.cpp
+  src/simd/entries_scalar.cpp
+  src/simd/entries_sse2.cpp
+  src/simd/triangle_entries.cpp
+)
+# No fused multiply-add: every copy then does the same roundings, so that all machines get the same bits. The loop is
+# bound by memory, it costs nothing.
+set(alcap_simd_flags -ffp-contract=off)
+set_source_files_properties(src/simd/entries_scalar.cpp src/simd/entries_sse2.cpp PROPERTIES
+  COMPILE_OPTIONS "${alcap_simd_flags}")
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
+  set_source_files_properties(src/simd/entries_avx2.cpp PROPERTIES COMPILE_OPTIONS "${alcap_simd_flags};-mavx2")
+  set_source_files_properties(src/simd/entries_avx512.cpp PROPERTIES COMPILE_OPTIONS
+    "${alcap_simd_flags};-mavx512f;-mavx512dq;-mavx512vl;-mprefer-vector-width=512")
+endif()
