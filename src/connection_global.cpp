@@ -11,7 +11,6 @@
 
 #include "alcap/connection.h"
 #include "alcap/parallel.h"
-#include "alcap/topology.h"
 
 namespace alcap {
 namespace {
@@ -41,16 +40,13 @@ VectorX<T> halfedge_weights(const Mesh& mesh, const Geometry<T>& geometry, const
   VectorX<T> mean;  // mean edge length per component
   std::vector<Index> face_component;
   if (options.length_factor == LengthFactor::mean_edge) {
-    Components components = connected_components(mesh);
-    mean = VectorX<T>::Zero(components.count);
-    VectorX<T> edges = VectorX<T>::Zero(components.count);
-    for (Index e = 0; e < mesh.edges(); ++e) {
-      const Index c = components.of_face[static_cast<std::size_t>(Mesh::face(mesh.halfedge(e)))];
-      mean[c] += geometry.length(e);
-      edges[c] += 1;
-    }
-    mean.array() /= edges.array();
-    face_component = std::move(components.of_face);
+    Topology topology = find_topology(mesh);
+    mean = VectorX<T>::Zero(static_cast<Eigen::Index>(topology.components.size()));
+    for (Index e = 0; e < mesh.edges(); ++e)
+      mean[topology.face_component[static_cast<std::size_t>(Mesh::face(mesh.halfedge(e)))]] += geometry.length(e);
+    for (Eigen::Index c = 0; c < mean.size(); ++c)
+      mean[c] /= static_cast<T>(topology.components[static_cast<std::size_t>(c)].edges);
+    face_component = std::move(topology.face_component);
   }
   parallel_for(mesh.halfedges(), [&](std::int64_t i) {
     const Index h = static_cast<Index>(i);

@@ -15,6 +15,7 @@
 
 #include "alcap/geometry.h"
 #include "alcap/mesh.h"
+#include "alcap/topology.h"
 
 namespace alcap {
 
@@ -112,6 +113,38 @@ template <class T>
 template <class T>
 [[nodiscard]] Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry,
                                              const GlobalOptions& options = {});
+
+/// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a cross
+/// field's quad mesh).
+struct Cone {
+  Index vertex = none;
+  double index = 0;
+};
+
+struct TrivialOptions {
+  int n = 1;  // indices and holonomies are multiples of 1/n turn: the degree of the fields the connection is for
+  /// Holonomy, in turns, of each of homology_generators(mesh, topology), modulo 1. Empty: of each the multiple of 1/n
+  /// nearest to what the cones alone give, the least change.
+  std::vector<double> generator_holonomy = {};
+  /// Index of each boundary loop of topology.h, in turns. Empty: as for generators, with the sum that Poincare-Hopf
+  /// demands.
+  std::vector<double> loop_index = {};
+  GlobalOptions global = {};    // how rho_{v->t} and rho_{v->e} are optimised afterwards
+  std::string solver = "auto";  // backend of the Poisson solve
+};
+
+/// Trivial connection with prescribed cones (LTGD 2016, Sec. 5.4; Crane, Desbrun, Schroeder 2010): flat but for the cone
+/// vertices. K is zero, to rounding, in every face that touches no cone. One Poisson solve, plus one right-hand side per
+/// generator. The cones of a closed component must sum to its Euler characteristic; with boundary, cones and loops must.
+/// Cones lie at interior vertices. Throws OptionError naming the vertex, the sum and what is missing.
+template <class T>
+[[nodiscard]] Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::vector<Cone>& cones,
+                                    const TrivialOptions& options = {});
+
+/// Holonomy of a closed strip of faces, in radians: how far a vector has turned after one round.
+template <class T>
+[[nodiscard]] T holonomy(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
+                         const Loop& strip);
 
 /// D_T and D_E of any connection under the given options (detail is not applied).
 template <class T>

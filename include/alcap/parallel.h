@@ -9,6 +9,7 @@
 #pragma once
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -113,14 +114,16 @@ Int parallel_exclusive_scan(Int* counts, std::int64_t n) {
   return total;
 }
 
-/// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed.
+/// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed; more threads than
+/// the machine has need a tbb::global_control of the caller's.
 template <class Body>
 void run_with_threads(int threads, Body&& body) {
   if (threads <= 0) {
     body();
     return;
   }
-  tbb::task_arena arena(threads);
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  tbb::task_arena arena(std::min(threads, static_cast<int>(allowed)));
   arena.execute([&] { body(); });
 }
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: MIT
+//
+// energies.h: quadratic energies of n-vector fields as Hermitian matrices (LTGD 2016, Sec. 6.2), exact integrals of the
+// closed-form basis, any n and any connection. All are #V x #V, complex, both triangles stored.
+//
+//   HermitianPattern pattern(mesh);
+//   auto [S, M] = alcap::stiffness_and_mass(mesh, pattern, geometry, connection, 4);
+//   E_D = 0.5 * real(u.dot(S * u));          // |u|^2 integral = real(u.dot(M * u))
+//
+// S (connection Laplacian): positive semidefinite, u* S u = integral of |grad u|^2, invariant to scale.
+// M: positive definite on referenced vertices, u* M u = integral of |u|^2, scales with area.
+// E_A + E_H = u* S u, and E_A - E_H = u* (C + B) u with C the curvature term and B the boundary term.
+#pragma once
+
+#include "alcap/assembly.h"
+#include "alcap/connection.h"
+
+namespace alcap {
+
+template <class T>
+struct StiffnessMass {
+  SparseMatrix<Complex<T>> S, M;
+};
+
+/// Stiffness S and mass M of degree n (any integer except that |n K| should stay below a few hundred). Parallel,
+/// bitwise independent of threads. Rows of unreferenced vertices are zero.
+template <class T>
+[[nodiscard]] StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pattern,
+                                                  const Geometry<T>& geometry, const Connection<T>& connection, int n);
+
+/// C + B: u* (C + B) u = E_A(u) - E_H(u). C sums n K_t / A_t times the face masses, B is the boundary integral of
+/// Im(conj(u) du/ds), the surface on the left (LTGD 2016, eq. 5).
+template <class T>
+[[nodiscard]] SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh& mesh, const HermitianPattern& pattern,
+                                                              const Geometry<T>& geometry,
+                                                              const Connection<T>& connection, int n);
+
+/// Knoeppel et al. 2013: E_s = (1+s) E_H + (1-s) E_A = S - s (C + B), positive semidefinite for s in [-1, 1].
+/// Adds -s (C + B) to S.
+template <class T>
+void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry<T>& geometry,
+                         const Connection<T>& connection, int n, T s, SparseMatrix<Complex<T>>& S);
+
+/// E_D, E_A and E_H of a field.
+struct FieldEnergies {
+  double dirichlet = 0, antiholomorphic = 0, holomorphic = 0;
+};
+[[nodiscard]] FieldEnergies field_energies(const Mesh& mesh, const Geometry<double>& geometry,
+                                           const Connection<double>& connection, int n, const ComplexVectorX<double>& u);
+
+}  // namespace alcap

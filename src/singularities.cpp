@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: MIT
+#include "alcap/singularities.h"
+
+#include <optional>
+#include <string>
+
+#include "alcap/parallel.h"
+#include "src/triangle_frame.h"
+
+namespace alcap {
+namespace {
+
+using Value = kernels::Cplx<double>;
+using Barycentric = std::array<double, 3>;
+
+double argument(const Complex<double>& z) { return z == Complex<double>(0) ? 0.0 : std::arg(z); }
+
+// Change of the field's argument along halfedge h, in [-pi, pi].
+double turn_along(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field, Index h) {
+  return wrap(argument(field.u[mesh.tip(h)]) - argument(field.u[mesh.tail(h)]) +
+              field.n * connection.rho_along(mesh, h));
+}
+
+int to_count(double turns) { return static_cast<int>(std::nearbyint(turns / (2 * pi<double>))); }
+
+// The closed-form field on one face.
+struct FaceField {
+  kernels::TriangleFrame<double> frame;
+  Value u[3];
+  double n;
+  double scale;  // largest modulus at the corners
+
+  [[nodiscard]] kernels::FieldAt<double> at(const Barycentric& b) const {
+    const double point[3] = {b[0], b[1], b[2]};
+    return kernels::field_at(frame, u, point, n);
+  }
+};
+
+double modulus(const Value& z) { return std::hypot(z.re, z.im); }
+
+bool inside(const Barycentric& b) {
+  constexpr double slack = 1e-12;
+  return b[0] >= -slack && b[1] >= -slack && b[2] >= -slack;
+}
+
+// Newton's method from a start; at a zero the covariant derivative is the derivative. Steps are cut so that an iterate
+// stays within a triangle's size of the face.
+std::optional<Barycentric> newton(const FaceField& f, Barycentric b) {
+  constexpr int max_steps = 40;
+  for (int step = 0; step < max_steps; ++step) {
+    const kernels::FieldAt<double> u = f.at(b);
+    if (modulus(u.value) <= 1e-14 * f.scale) return b;
+    const double det = u.d1.re * u.d2.im - u.d2.re * u.d1.im;
+    if (det == 0.0) return std::nullopt;
+    const double dx = (-u.value.re * u.d2.im + u.d2.re * u.value.im) / det;
+    const double dy = (-u.d1.re * u.value.im + u.value.re * u.d1.im) / det;
+    Barycentric change;
+    double largest = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      change[i] = f.frame.grad[i].re * dx + f.frame.grad[i].im * dy;
+      largest = std::max(largest, std::abs(change[i]));
+    }
+    if (!std::isfinite(largest)) return std::nullopt;
+    const double cut = largest > 0.5 ? 0.5 / largest : 1.0;
+    for (std::size_t i = 0; i < 3; ++i) b[i] += cut * change[i];
+    if (largest <= 1e-15) return b;
+  }
+  return modulus(f.at(b).value) <= 1e-10 * f.scale ? std::optional(b) : std::nullopt;
+}
+
+std::optional<Barycentric> find_zero(const FaceField& f) {
+  // A lattice of starts, the middle first: a field of index one in the face is nearly linear there and the first succeeds.
+  constexpr int n = 6;
+  std::vector<Barycentric> starts{{1.0 / 3, 1.0 / 3, 1.0 / 3}};
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; i + j < n; ++j) {
+      const double a = (i + 1.0 / 3) / n, b = (j + 1.0 / 3) / n;
+      starts.push_back({a, b, 1 - a - b});
+    }
+  for (const Barycentric& start : starts)
+    if (const auto zero = newton(f, start); zero && inside(*zero)) return zero;
+  return std::nullopt;
+}
+
+double positive_remainder(double angle, double period) {
+  const double r = std::fmod(angle, period);
+  return r < 0 ? r + period : r;
+}
+
+}  // namespace
+
+std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field) {
+  std::vector<int> indices(static_cast<std::size_t>(mesh.faces()));
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    double turns = field.n * connection.K[t];
+    for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) turns += turn_along(mesh, connection, field, h);
+    indices[static_cast<std::size_t>(t)] = to_count(turns);
+  });
+  return indices;
+}
+
+std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
+                                            const Connection<double>& connection, const Field<double>& field) {
+  const std::vector<int> indices = face_indices(mesh, connection, field);
+  std::vector<Singularity> found;
+  for (std::size_t t = 0; t < indices.size(); ++t)
+    if (indices[t] != 0) found.push_back({.face = static_cast<Index>(t), .index = indices[t]});
+  parallel_for(
+      static_cast<std::int64_t>(found.size()),
+      [&](std::int64_t i) {
+        Singularity& s = found[static_cast<std::size_t>(i)];
+        FaceField f{.frame = detail::triangle_frame(mesh, geometry, connection, s.face),
+                    .u = {},
+                    .n = double(field.n),
+                    .scale = 0};
+        detail::corner_values(mesh, field.u, s.face, f.u);
+        for (const Value& u : f.u) f.scale = std::max(f.scale, modulus(u));
+        const std::optional<Barycentric> zero = f.scale > 0 ? find_zero(f) : std::nullopt;
+        s.located = zero.has_value();
+        s.barycentric = zero.value_or(Barycentric{1.0 / 3, 1.0 / 3, 1.0 / 3});
+        // Near the zero u = a w + b conj(w), a half of div + i curl, b half of the reflected pair.
+        const kernels::FieldAt<double> at = f.at(s.barycentric);
+        if (s.index > 0) {
+          const Value a = at.div_curl();
+          const double angle = std::atan2(a.im, a.re);
+          s.orientation = field.n == 1 ? angle
+                                       : positive_remainder(angle / (field.n - 1), 2 * pi<double> / (field.n - 1));
+        } else {
+          const Value b = at.reflected();
+          s.orientation =
+              positive_remainder(std::atan2(b.im, b.re) / (field.n + 1), 2 * pi<double> / (field.n + 1));
+        }
+      },
+      16);
+  return found;
+}
+
+std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,
+                                 const Connection<double>& connection, const Field<double>& field,
+                                 const std::vector<int>& indices, const Topology& topology) {
+  if (static_cast<Index>(indices.size()) != mesh.faces())
+    throw OptionError("indices", std::to_string(indices.size()) + " entries", "needs one per face");
+  std::vector<IndexSum> sums(topology.components.size());
+  for (std::size_t c = 0; c < sums.size(); ++c) sums[c].expected = field.n * std::int64_t{topology.components[c].euler};
+  for (std::size_t t = 0; t < indices.size(); ++t)
+    sums[static_cast<std::size_t>(topology.face_component[t])].sum += indices[t];
+  // Turns of the field relative to the tangent of each boundary loop, the surface on the left.
+  for (const Loop& loop : topology.loops) {
+    double turns = 0;
+    for (std::size_t k = 0; k < loop.halfedges.size(); ++k) {
+      const Index h = loop.halfedges[k], next = loop.halfedges[(k + 1) % loop.halfedges.size()];
+      const double corner = pi<double> - geometry.angle_sum(mesh.tip(h));
+      const double tangent =
+          corner + wrap(connection.rho_start(mesh, next) - connection.rho_end(mesh, h) - corner);
+      turns += turn_along(mesh, connection, field, h) - field.n * (connection.eps_along(mesh, h) + tangent);
+    }
+    sums[static_cast<std::size_t>(loop.component)].expected += to_count(turns);
+  }
+  return sums;
+}
+
+}  // namespace alcap
