@@ -84,7 +84,7 @@ void Builder::triangulate_all(MeshFile& mesh) const {
     if (!triangulate(mesh.V, corners, local)) {
       fail_at(source_, places_[f],
               counted("face", static_cast<std::int64_t>(f)) + " has " + std::to_string(corners.size()) +
-                  " corners and is not convex; triangulate it before (at most " + std::to_string(most_corners) + ")");
+                  " corners, is not convex, and is too large or crosses itself; triangulate it before");
     }
     for (std::size_t i = 0; i < local.size(); i += 3, ++row) {
       for (std::size_t c = 0; c < 3; ++c) {

@@ -35,7 +35,10 @@ void read_face(Tokenizer& in, Builder& mesh, std::vector<std::int64_t>& corners)
   while (!in.at_line_end()) {
     std::int64_t v = 0;
     const char* const token = in.where();
-    if (!in.integer(v, '/') || !in.skip_references()) in.fail_number("corner of " + mesh.next_face());
+    if (!in.integer(v, '/') || !in.skip_references()) {
+      in.go(token);
+      in.fail_number("corner of " + mesh.next_face());
+    }
     if (v == 0) fail_at(in.source(), token, mesh.next_face() + " names vertex 0; OBJ counts from 1");
     corners.push_back(v > 0 ? v - 1 : mesh.vertices() + v);
   }

@@ -29,7 +29,7 @@ class Reader {
     for (const auto& element : header_.elements) {
       std::int64_t least = 0;
       for (const auto& p : element.properties) least += body_.least_bytes(p.is_list ? p.count_type : p.type);
-      if (least > 0) check_count(source_, body_.where(), element.count, least, "elements");
+      if (least > 0) check_count(source_, body_.where(), element.count, least, "elements " + quoted(element.name));
       if (element.name == "vertex") {
         read_vertices(element);
       } else if (element.name == "face") {

@@ -58,7 +58,8 @@ bool equal_ignoring_case(std::string_view a, std::string_view b) {
   return true;
 }
 
-void check_count(const Source& source, const char* where, std::int64_t count, std::int64_t least, const char* what) {
+void check_count(const Source& source, const char* where, std::int64_t count, std::int64_t least,
+                 const std::string& what) {
   const std::int64_t left = source.end() - where;
   const std::int64_t fit = (left + 1) / least;  // + 1: the last line may lack its newline
   if (count < 0) fail(source, "the header says " + std::to_string(count) + " " + what);

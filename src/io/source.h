@@ -35,6 +35,7 @@ struct Source {
 
 /// Throws unless `count` elements of at least `least` bytes each fit into the bytes from `where` on: a header that lies
 /// must not make us allocate. `what` is a plural noun.
-void check_count(const Source& source, const char* where, std::int64_t count, std::int64_t least, const char* what);
+void check_count(const Source& source, const char* where, std::int64_t count, std::int64_t least,
+                 const std::string& what);
 
 }  // namespace alcap::detail

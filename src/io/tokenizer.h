@@ -2,7 +2,8 @@
 //
 // tokenizer.h: words and numbers of a text file, strict and without copies. Shared by every format.
 //
-// A token ends at a blank, a line end, '#' or the end of the file; a number must fill its token. '#' starts a comment.
+// A token ends at a blank, a line end or the end of the file; a number must fill its token. '#' at the start of a token
+// starts a comment; inside one it does not, so that 1.#QNAN is not 1.
 // "\n", "\r\n" and "\r" end a line; a backslash right before a line end joins it to the next.
 #pragma once
 
@@ -125,7 +126,7 @@ class Tokenizer {
   [[nodiscard]] bool joins(const char* q) const { return end_ - q > 1 && is_newline(q[1]); }
 
   [[nodiscard]] bool ends_token(const char* q) const {
-    return q == end_ || is_blank(*q) || is_newline(*q) || *q == '#' || (*q == '\\' && joins(q));
+    return q == end_ || is_blank(*q) || is_newline(*q) || (*q == '\\' && joins(q));
   }
 
   void skip_blank() {
