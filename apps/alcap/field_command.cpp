@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+//
+// field_command.cpp: `alcap field`, from a mesh to the smoothest n-field, its files and its certificate.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <span>
+
+#include "alcap/memory.h"
+#include "alcap/output.h"
+#include "commands.h"
+#include "outputs.h"
+#include "report.h"
+#include "shared_options.h"
+
+namespace alcap::app {
+namespace {
+
+constexpr const char* footer =
+    "Examples:\n"
+    "  alcap field bunny.ply -n 4 -o out            cross field; out/ gets all formats and report.json\n"
+    "  alcap field bunny.ply -n 2 -o lines.vtp      line field for ParaView\n"
+    "  alcap field bunny.ply -o out --formats ply,rosy\n"
+    "  alcap field scan.stl --repair weld -o out    a triangle soup, welded first\n"
+    "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
+    "  alcap field bunny.ply --json                 no files, just the certificate\n"
+    "\n"
+    "The files hold n-vectors: long where the field is sure, short near singularities. --unit makes them\n"
+    "directions of length 1. Exit code 5 means that the files were written but the report's certificate does\n"
+    "not hold; its warnings say why.";
+
+struct FieldOptions {
+  MeshChoice mesh = {};
+  FieldRunOptions run = {};
+  std::filesystem::path output = {};
+  std::vector<std::string> formats = {};  // all
+};
+
+std::string fraction(std::int64_t count, int n) {
+  if (count % n == 0) return std::to_string(count / n);
+  return fmt::format("{}/{}", count, n);
+}
+
+std::string phase_text(std::string_view phase, const MeshFile& file) {
+  const std::map<std::string_view, std::string> words{{"mesh", "building the mesh"},
+                                                      {"connection", "finding the connection"},
+                                                      {"solve", "solving for the smoothest field"},
+                                                      {"analysis", "locating singularities"}};
+  const auto found = words.find(phase);
+  return fmt::format("{} ({} faces)", found == words.end() ? std::string(phase) : found->second,
+                     grouped(file.F.rows()));
+}
+
+std::string summary(const FieldOptions& options, const Json& report) {
+  const Json &mesh = report["mesh"], &connection = report["connection"], &eigen = report["eigen"];
+  const Json &singular = report["singularities"], &times = report["times"];
+  const auto real = [](const Json& value) {
+    return value.is_null() ? "not finite" : fmt::format("{:.4g}", value.get<double>());
+  };
+  const auto count = [](const Json& value) { return grouped(value.get<std::int64_t>()); };
+  const int n = options.run.n;
+  std::string text;
+  const auto line = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<14}{}\n", label, value);
+  };
+  line("mesh", fmt::format("{} vertices, {} faces, {} component(s), {} boundary loop(s), Euler characteristic {}",
+                           count(mesh["vertices"]), count(mesh["faces"]), count(mesh["components"]),
+                           count(mesh["boundary_loops"]), count(mesh["euler"])));
+  line("connection", fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
+                                 real(connection["D_T"]), real(connection["D_E"]), count(connection["iterations"])));
+  line("field", fmt::format("n = {}, eigenvalue {} (next {}), residual {}, {}", n, real(eigen["lambda"]),
+                            real(eigen["next"]), real(eigen["residual"]), eigen["solver"].get<std::string>()));
+  line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
+                                    count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
+                                    fraction(singular["index_sum"].get<std::int64_t>(), n),
+                                    fraction(singular["expected"].get<std::int64_t>(), n)));
+  std::string phases;
+  for (const auto& [phase, seconds] : times.items()) {
+    if (phase != "total")
+      phases += fmt::format("{}{} {:.2f}", phases.empty() ? "" : ", ", phase, seconds.get<double>());
+  }
+  line("time", fmt::format("{:.2f} s ({})", times["total"].get<double>(), phases));
+  line("memory", fmt::format("{:.0f} MB at most", report["peak_memory_bytes"].get<double>() / 1e6));
+  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
+  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
+  for (const Json& f : report["files"]) line("wrote", f.get<std::string>());
+  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
+  return text;
+}
+
+/// The formats asked for, all by default. Throws Failure(usage) for an unknown one.
+std::vector<std::string> chosen_formats(const FieldOptions& options) {
+  const std::vector<std::string> known = field_formats();
+  if (options.formats.empty()) return known;
+  for (const std::string& f : options.formats) {
+    if (std::find(known.begin(), known.end(), f) != known.end()) continue;
+    std::string list;
+    for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+    throw Failure(Exit::usage, fmt::format("--formats {}: unknown; known are {}", f, list),
+                  {{"option", "--formats"}, {"value", f}});
+  }
+  return options.formats;
+}
+
+OutputPlan plan(const FieldOptions& options) {
+  std::vector<std::string> extensions;
+  for (const std::string& f : field_formats()) extensions.push_back("." + f);
+  OutputPlan plan = plan_output(options.output, extensions);
+  if (plan.kind != OutputPlan::Kind::folder && !options.formats.empty()) {
+    throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",
+                  {{"option", "--formats"}});
+  }
+  return plan;
+}
+
+Outcome run(FieldOptions options, Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+  };
+  const auto start = Clock::now();
+  const std::vector<std::string> formats = chosen_formats(options);
+  const OutputPlan plan = app::plan(options);
+
+  RunSeconds times;
+  progress.phase(fmt::format("reading {}", options.mesh.path.string()));
+  const MeshFile file = read_choice(options.mesh);
+  times.read = seconds(start);
+
+  options.run.repairs = options.mesh.repairs;
+  options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, file)); };
+  const FieldRun result = run_field(file.V, file.F, options.run);
+
+  progress.phase("writing");
+  const auto write_start = Clock::now();
+  const FieldOutput output{.mesh = result.mesh,
+                           .V = file.V,
+                           .geometry = result.geometry,
+                           .connection = result.connection,
+                           .field = result.field,
+                           .singularities = result.singularities};
+  Json report = field_report(options.mesh.path, file, result, options.run);
+  const auto finish = [&](std::vector<std::string> files) {
+    times.write = seconds(write_start);
+    times.total = seconds(start);
+    report["times"] = times_json(result.times, times);
+    report["peak_memory_bytes"] = peak_memory_bytes();
+    report["files"] = std::move(files);
+  };
+  if (plan.kind == OutputPlan::Kind::file) {
+    std::vector<std::string> files;
+    write_guarded([&] {
+      for (const auto& path : write_field(output, plan.target)) files.push_back(path.string());
+    });
+    finish(std::move(files));
+  } else if (plan.kind == OutputPlan::Kind::folder) {
+    write_folder(plan.target, [&](const std::filesystem::path& folder) {
+      std::vector<std::filesystem::path> paths;
+      for (const std::string& f : formats) paths.push_back(folder / ("field." + f));
+      std::vector<std::string> files;
+      for (const auto& path : write_field(output, paths)) files.push_back((plan.target / path.filename()).string());
+      files.push_back((plan.target / "report.json").string());
+      finish(std::move(files));
+      write_text(folder / "report.json", report.dump(2) + "\n");
+    });
+  } else {
+    finish({});
+  }
+
+  Outcome outcome{.report = std::move(report)};
+  outcome.text = summary(options, outcome.report);
+  if (!result.certificate.holds()) {
+    outcome.exit = Exit::uncertified;
+    outcome.complaint = "the certificate does not hold:";
+    for (const Remark& r : result.remarks) {
+      if (r.warning) outcome.complaint += " " + r.message + ".";
+    }
+  }
+  return outcome;
+}
+
+std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+  auto options = std::make_shared<FieldOptions>();
+  app.footer(footer);
+  add_mesh_options(app, options->mesh);
+  app.add_option("-n,-r,--degree,--rosy", options->run.n,
+                 "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal; any n >= 1")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  app.add_option("-o,--output", options->output,
+                 "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
+                 "written")
+      ->type_name("OUT");
+  app.add_option("--formats", options->formats, "Of the files in the folder, only these: ply,vtp,rawfield,rosy,...")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  app.add_flag("--unit,--normalise,--direction", options->run.normalise,
+               "Write unit directions instead of n-vectors of varying length");
+  app.add_option("-s,--energy,--s", options->run.s,
+                 "Which smoothness, in [-1, 1]: 0 Dirichlet, 1 favours holomorphic, -1 antiholomorphic fields")
+      ->type_name("S")
+      ->capture_default_str()
+      ->check(CLI::Range(-1.0, 1.0));
+  add_connection_options(app, options->run);
+  add_eigen_options(app, options->run.eigen);
+  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+}
+
+}  // namespace
+
+const Command field_command{"field", "The smoothest n-field of a mesh, with singularities and certificate", true,
+                            &attach};
+
+}  // namespace alcap::app

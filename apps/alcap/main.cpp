@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+//
+// main.cpp: parses the command line, runs one subcommand, and turns what comes out of it (a result or any kind of
+// failure) into stdout, stderr, a report file and an exit code. Subcommands print nothing themselves.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <string_view>
+#include <vector>
+
+#include "alcap/conventions.h"
+#include "alcap/detail/triangle_entries.h"
+#include "alcap/parallel.h"
+#include "alcap/solve.h"
+#include "alcap/version.h"
+#include "commands.h"
+#include "outputs.h"
+#include "report.h"
+
+namespace alcap::app {
+namespace {
+
+constexpr const char* description =
+    "Smoothest n-vector fields on triangle meshes: cross fields (n = 4), line fields, vector fields,\n"
+    "with singularities and a certificate.";
+
+constexpr const char* footer =
+    "Start with:\n"
+    "  alcap info bunny.ply                 is this mesh fit, and if not, why\n"
+    "  alcap field bunny.ply -n 4 -o out    a cross field, its files and its report into the folder out\n"
+    "\n"
+    "Every command has its own --help, and --json for programs.\n"
+    "Exit codes: 0 ok, 2 usage, 3 input file, 4 mesh unusable, 5 result not certified, 6 output not\n"
+    "written, 7 solver or memory, 1 internal error, 130 interrupted.";
+
+std::string version_text() {
+  std::string sets, solvers;
+  for (const auto isa : detail::available_isas()) sets += std::string(sets.empty() ? "" : ", ") + detail::name(isa);
+  for (const auto& name : linear_solvers()) solvers += (solvers.empty() ? "" : ", ") + name;
+  return fmt::format("alcap {}\nsolvers: {}\ninstruction set: {} (this machine has {})\n", version(), solvers,
+                     detail::name(detail::best_isa()), sets);
+}
+
+void print(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw Failure(Exit::output, "cannot write to standard output");
+  }
+}
+
+/// The last resort for what went wrong: one line on stderr, with --json also an object on stdout.
+int complain(const std::string& command, bool json, Exit exit, const std::string& message,
+             Json details = Json::object()) {
+  fmt::print(stderr, "alcap{}{}: {}\n", command.empty() ? "" : " ", command, message);
+  if (json) {
+    const std::string text = error_report(command, exit, message, std::move(details)).dump(2) + "\n";
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  }
+  return static_cast<int>(exit);
+}
+
+/// Calls body and gives every exception its exit code.
+template <class Body>
+int guarded(const std::string& command, bool json, Progress& progress, Body&& body) {
+  const auto fail = [&](Exit exit, const std::exception& e, Json details = Json::object()) {
+    progress.clear();
+    return complain(command, json, exit, e.what(), std::move(details));
+  };
+  try {
+    return body();
+  } catch (const Failure& e) {
+    return fail(e.exit(), e, e.details());
+  } catch (const FileError& e) {
+    return fail(Exit::input, e, file_details(e));
+  } catch (const MeshError& e) {
+    return fail(Exit::mesh, e, mesh_details(e));
+  } catch (const OptionError& e) {
+    return fail(Exit::usage, e, {{"option", e.field()}, {"value", e.value()}});
+  } catch (const SolveError& e) {
+    return fail(Exit::solver, e);
+  } catch (const std::bad_alloc&) {
+    progress.clear();
+    return complain(command, json, Exit::solver, "out of memory; use a smaller mesh or a machine with more memory");
+  } catch (const std::exception& e) {
+    progress.clear();
+    return complain(command, json, Exit::internal, fmt::format("internal error, please report it: {}", e.what()));
+  }
+}
+
+int run(const Command& command, const Common& common, const std::function<Outcome(const Common&, Progress&)>& body) {
+  Progress progress(!common.quiet);
+  return guarded(command.name, common.json, progress, [&] {
+    if (!common.report.empty()) check_writable(common.report);
+    Outcome outcome;
+    run_with_threads(common.threads, [&] { outcome = body(common, progress); });
+    progress.clear();
+    if (!common.report.empty()) write_text(common.report, outcome.report.dump(2) + "\n");
+    if (common.json) {
+      print(outcome.report.dump(2) + "\n");
+    } else if (!common.quiet) {
+      print(outcome.text);
+    }
+    if (!outcome.complaint.empty()) fmt::print(stderr, "alcap {}: {}\n", command.name, outcome.complaint);
+    return static_cast<int>(outcome.exit);
+  });
+}
+
+void add_common(const Command& command, CLI::App& app, Common& common) {
+  app.add_flag("--json", common.json, "Print the report as JSON on stdout, and nothing else there")
+      ->group("Common options");
+  app.add_flag("-q,--quiet", common.quiet, "No summary, no progress; errors still go to stderr")
+      ->group("Common options");
+  if (!command.computes) return;
+  app.add_option("--threads", common.threads, "Threads to use; 0 for all. Results do not depend on it")
+      ->check(CLI::Range(0, 4096))
+      ->group("Common options");
+  app.add_option("--report", common.report, "Write the report (JSON) to this file")
+      ->type_name("FILE")
+      ->group("Common options");
+}
+
+int start(int argc, char** argv) {
+  CLI::App app(description, "alcap");
+  app.footer(footer);
+  app.require_subcommand(0, 1);
+  bool version = false;
+  app.add_flag("--version", version, "Version, solvers and instruction sets");
+
+  struct Entry {
+    const Command* command;
+    CLI::App* app;
+    Common common;
+    std::function<Outcome(const Common&, Progress&)> body;
+  };
+  std::vector<std::unique_ptr<Entry>> entries;
+  for (const Command* command : all_commands) {
+    entries.push_back(std::make_unique<Entry>());
+    Entry& entry = *entries.back();
+    entry.command = command;
+    entry.app = app.add_subcommand(command->name, command->summary);
+    entry.body = command->attach(*entry.app);
+    add_common(*command, *entry.app, entry.common);
+  }
+
+  // CLI11 has not stored --json yet when parsing fails.
+  bool json = false;
+  for (int k = 1; k < argc; ++k) json = json || std::string_view(argv[k]) == "--json";
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    const auto parsed = app.get_subcommands();
+    const std::string name = parsed.empty() ? "" : parsed.front()->get_name();
+    return complain(name, json, Exit::usage,
+                    fmt::format("{} (see alcap{}{} --help)", e.what(), name.empty() ? "" : " ", name));
+  }
+  if (version) {
+    print(version_text());
+    return 0;
+  }
+  for (const auto& entry : entries) {
+    if (entry->app->parsed()) return run(*entry->command, entry->common, entry->body);
+  }
+  fmt::print(stderr, "{}", app.help());
+  return static_cast<int>(Exit::usage);
+}
+
+}  // namespace
+}  // namespace alcap::app
+
+int main(int argc, char** argv) {
+  alcap::app::Progress silent(false);
+  return alcap::app::guarded("", false, silent, [&] { return alcap::app::start(argc, argv); });
+}

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: MIT
+//
+// alcap.h: all public headers at once, in the order the data flows.
+#pragma once
+
+// IWYU pragma: begin_exports
+#include "alcap/assembly.h"
+#include "alcap/connection.h"
+#include "alcap/conventions.h"
+#include "alcap/design.h"
+#include "alcap/energies.h"
+#include "alcap/errors.h"
+#include "alcap/field.h"
+#include "alcap/frames.h"
+#include "alcap/generators.h"
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+#include "alcap/mesh_check.h"
+#include "alcap/mesh_io.h"
+#include "alcap/pipeline.h"
+#include "alcap/singularities.h"
+#include "alcap/solve.h"
+#include "alcap/topology.h"
+#include "alcap/version.h"
+// IWYU pragma: end_exports
