@@ -24,6 +24,7 @@ set(layers
 set(also
   "^solvers/ = solve"
   "^src/io/ = mesh_io"
+  "^src/output/ = output"
   "^src/face_edges = mesh_check"
   "^src/homology = topology"
   "^src/triangle_frame = connection"

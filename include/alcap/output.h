@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+//
+// output.h: n-vector fields to files that other programs read, and back. docs/file-formats.md describes every file.
+//
+//   alcap::write_field({.mesh = mesh, .V = V, .geometry = geometry, .connection = connection, .field = field,
+//                       .singularities = singularities}, "out/bunny.vtp");
+//   alcap::FieldFile back = alcap::read_field("out/bunny.ply");   // u, n and frames bit for bit
+//
+// The extension picks the format:
+//   .rawfield         directions per face, and singular vertices in .sings beside it   (Directional, face-based)
+//   .vertex.rawfield  directions per vertex, and singular faces in .vertex.sings       (Directional, vertex-based)
+//   .rosy             one unit direction per face                                      (vcglib, QuadWild)
+//   .ply              mesh, u and frames per vertex, binary; what read_field reads
+//   .vtp              mesh, directions and face data, and _singularities.vtp beside it (VTK, ParaView)
+// Vectors are in the coordinates and the units of V. Numbers in text are the shortest that read back as the same
+// double. At a vertex that no face uses everything is zero. Every file appears complete or not at all.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "alcap/connection.h"
+#include "alcap/field.h"
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+#include "alcap/singularities.h"
+
+namespace alcap {
+
+/// A number per face that is to go into a file under a name, such as the integrated divergence.
+struct FaceScalars {
+  std::string name;
+  std::span<const double> values;  ///< #F
+};
+
+/// What the files are made of. Holds references: use it in the expression that creates it or keep all of it alive.
+struct FieldOutput {
+  const Mesh& mesh;
+  const Positions<double>& V;  ///< #V x 3
+  const Geometry<double>& geometry;
+  const Connection<double>& connection;             ///< the one the field was made with
+  const Field<double>& field;                       ///< per vertex, with frames
+  std::span<const Singularity> singularities = {};  ///< of this field, all of them: find_singularities()
+  std::span<const FaceScalars> face_scalars = {};   ///< for .vtp; besides "K" and "index", which are always there
+};
+
+/// Writes the field in the format of the extension and returns the files written. Throws FileError (unknown extension:
+/// the message lists the known ones; folder missing, no permission, disk full) and OptionError (sizes that do not
+/// match, no frames, a value that is not finite). When it throws, no incomplete file is left behind.
+std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file);
+
+/// The same for several files; what they share, such as the field at the faces, is computed once.
+std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::span<const std::filesystem::path> files);
+
+/// The extensions that write_field knows, without the leading dot.
+[[nodiscard]] std::vector<std::string> field_formats();
+
+/// The one of field_formats() that a file name ends with (case does not matter), or empty.
+[[nodiscard]] std::string field_format(const std::filesystem::path& file);
+
+/// A field read back.
+struct FieldFile {
+  Positions<double> V;                                 ///< #V x 3
+  Faces F;                                             ///< #F x 3
+  Field<double> field;                                 ///< n, u (#V) and the vertex frames, bit for bit as written
+  ConnectionKind connection = ConnectionKind::global;  ///< the kind of connection the field was made with
+};
+
+/// Reads a .ply that write_field wrote. Throws FileError: cannot be read, cut, or not such a file.
+[[nodiscard]] FieldFile read_field(const std::filesystem::path& file);
+
+/// The index of every vertex of a field given per face (at_faces), by Levi-Civita transport across the edges around it:
+/// #V counts of n-ths, what principal matching finds. Zero at boundary vertices and at those that no face uses. On a
+/// closed surface they sum to n chi.
+[[nodiscard]] std::vector<int> vertex_indices(const Mesh& mesh, const Geometry<double>& geometry,
+                                              const Field<double>& face_field);
+
+}  // namespace alcap
