@@ -8,6 +8,10 @@ function(alcap_private_flags target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion
     $<$<BOOL:${ALCAP_WARNINGS_AS_ERRORS}>:-Werror>)
+  # gcc 12 raises a false alarm on "text" + std::string (its bug 105651).
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${target} PRIVATE -Wno-restrict)
+  endif()
   # Parallel loops are annotated for ThreadSanitizer by hand; gcc warns about something else (fences) in TBB.
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_FLAGS MATCHES "fsanitize=thread")
     target_compile_options(${target} PRIVATE -Wno-tsan)
@@ -25,6 +29,7 @@ target_link_libraries(alcap
           $<BUILD_INTERFACE:alcap_dep_XSIMD>)
 target_compile_definitions(alcap PRIVATE ALCAP_VERSION="${PROJECT_VERSION}")
 if(ALCAP_WITH_CHOLMOD)
+  target_sources(alcap PRIVATE solvers/cholmod.cpp)
   target_link_libraries(alcap PRIVATE CHOLMOD::CHOLMOD)
   target_compile_definitions(alcap PRIVATE ALCAP_WITH_CHOLMOD)
 endif()

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// A user who builds the library along with their own project.
-#include <alcap/conventions.h>
-#include <alcap/version.h>
+// A user who builds the library along with their own project: the smoothest cross field on a small mesh.
+#include <alcap/alcap.h>
 
 #include <iostream>
 
 int main() {
-  std::cout << "alcap " << alcap::version() << ", wrap(7) = " << alcap::wrap(7.0) << "\n";
-  return alcap::wrap(7.0) < 1.0 ? 0 : 1;
+  alcap::Positions<double> V(4, 3);
+  V << 1, 1, 1, 1, -1, -1, -1, 1, -1, -1, -1, 1;
+  alcap::Faces F(4, 3);
+  F << 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2;
+  const alcap::FieldRun run = alcap::run_field(V, F, {.n = 4});
+  std::cout << "alcap " << alcap::version() << ": " << run.singularities.size() << " singularities, lambda "
+            << run.eigen.at(0).lambda << "\n";
+  return run.certificate.holds() && run.index_sums.at(0).sum == 4 * 2 ? 0 : 1;  // n times the Euler characteristic
 }
