@@ -1,116 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
-// test_output.cpp: what is written is what an independent reader finds, .ply comes back bit for bit, and what fails
-// leaves nothing behind. VTK's own reader checks the .vtp files: read_vtp.py.
+// test_output.cpp: what is written is what an independent reader finds, and .ply comes back bit for bit. VTK's own
+// reader checks the .vtp files: read_vtp.py. Errors: test_output_broken.cpp.
 #include <doctest/doctest.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <Eigen/Geometry>
-#include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <fstream>
 #include <map>
-#include <numeric>
-#include <set>
 #include <sstream>
 
-#include "alcap/detail/random.h"
-#include "alcap/generators.h"
-#include "alcap/output.h"
 #include "alcap/parallel.h"
+#include "output_fixture.h"
 
 namespace {
 
 using namespace alcap;
-namespace fs = std::filesystem;
+using namespace alcap::test;
 using Row = Eigen::RowVector3d;
-
-// A new folder that goes away with the object.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "alcap-output-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { fs::remove_all(path); }
-
-  [[nodiscard]] std::set<std::string> names() const {
-    std::set<std::string> out;
-    for (const auto& entry : fs::directory_iterator(path)) out.insert(entry.path().filename().string());
-    return out;
-  }
-};
-
-std::string contents(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  REQUIRE(in.is_open());
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-// A surface with everything that a FieldOutput refers to.
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
-  Field<double> field;
-  std::vector<Singularity> singularities;
-  std::vector<double> extra;
-  std::vector<FaceScalars> scalars;
-
-  Case(Surface s, int n) : surface(std::move(s)) {
-    mesh = Mesh(surface.F, surface.V.rows());
-    geometry = Geometry<double>(mesh, surface.V);
-    connection = locally_optimal(mesh, geometry);
-    field.n = n;
-    field.u = ComplexVectorX<double>::Zero(mesh.vertices());
-    field.frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, surface.V, connection));
-  }
-  void randomise(std::uint64_t seed) {
-    detail::Random random(seed);
-    for (Index v = 0; v < mesh.vertices(); ++v) {
-      if (mesh.referenced(v)) field.u[v] = std::polar(std::exp(random.uniform(-30, 30)), random.uniform(-4, 4));
-    }
-    singularities = find_singularities(mesh, geometry, connection, field);
-  }
-  // The cross-field-like pattern u = (unit position in the plane)^n of a flat mesh around the origin; zero there.
-  void radial(bool mirrored) {
-    Positions<double> d = surface.V;
-    for (Index v = 0; v < mesh.vertices(); ++v) {
-      if (mirrored) d(v, 1) = -d(v, 1);
-    }
-    field = from_vectors(field.n, d, field.frames);
-  }
-  [[nodiscard]] FieldOutput output() const {
-    return {.mesh = mesh,
-            .V = surface.V,
-            .geometry = geometry,
-            .connection = connection,
-            .field = field,
-            .singularities = singularities,
-            .face_scalars = scalars};
-  }
-};
-
-// Vertices 0, one in the middle and the last are used by no face.
-Surface with_unreferenced(const Surface& s) {
-  const Eigen::Index half = s.V.rows() / 2;
-  Surface out;
-  out.V.resize(s.V.rows() + 3, 3);
-  out.V.row(0) << 9, 9, 9;
-  out.V.middleRows(1, half) = s.V.topRows(half);
-  out.V.row(half + 1) << -7, 0.1, 1e-9;
-  out.V.middleRows(half + 2, s.V.rows() - half) = s.V.bottomRows(s.V.rows() - half);
-  out.V.row(out.V.rows() - 1) << 0, 0, 0;
-  out.F = s.F.unaryExpr([&](Index v) { return static_cast<Index>(v < half ? v + 1 : v + 2); });
-  return out;
-}
 
 // A raw field as Directional reads it: n and the number of rows, then 3 n numbers a row with operator>>, and the stream
 // must still be good afterwards.
@@ -404,160 +311,6 @@ TEST_CASE("files do not depend on the number of threads, nor on what is written 
   for (std::size_t i = 0; i < first.size(); ++i) CHECK(contents(first[i]) == contents(second[i]));
 }
 
-TEST_CASE("the extension picks the format, whatever its case; an unknown one names those that are known") {
-  CHECK(field_format("a.b/c.d.PLY") == "ply");
-  CHECK(field_format("bunny.v2.rawfield") == "rawfield");
-  CHECK(field_format("bunny.Vertex.RawField") == "vertex.rawfield");
-  CHECK(field_format("vertex.rawfield") == "rawfield");
-  CHECK(field_format("ply").empty());
-  CHECK(field_format(".ply").empty());
-  CHECK(field_format("a.ply/").empty());
-  CHECK(field_format("a.plyx").empty());
-
-  const Folder folder;
-  const Case c(tetrahedron(), 4);
-  const fs::path files[] = {folder.path / "good.ply", folder.path / "bad.step"};
-  try {
-    write_field(c.output(), files);
-    FAIL("an unknown extension was accepted");
-  } catch (const FileError& error) {
-    CHECK(error.path() == files[1].string());
-    for (const std::string& format : field_formats()) {
-      CHECK(std::string(error.what()).find("." + format) != std::string::npos);
-    }
-  }
-  CHECK(folder.names().empty());
-}
-
-TEST_CASE("a failure leaves no file, and an old one untouched") {
-  const Folder folder;
-  Case c(icosphere(4), 4);
-  c.randomise(1);
-  for (const std::string& format : field_formats()) {
-    CHECK_THROWS_AS(write_field(c.output(), folder.path / "missing" / ("f." + format)), FileError);
-    fs::create_directory(folder.path / ("d." + format));
-    CHECK_THROWS_AS(write_field(c.output(), folder.path / ("d." + format)), FileError);
-    fs::remove(folder.path / ("d." + format));
-  }
-  CHECK(folder.names().empty());
-
-  // A full disk: the system refuses to let files grow beyond 64 KB.
-  std::ofstream(folder.path / "old.ply") << "old";
-  rlimit unlimited = {};
-  REQUIRE(::getrlimit(RLIMIT_FSIZE, &unlimited) == 0);
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  rlimit limited = unlimited;
-  limited.rlim_cur = 65536;
-  REQUIRE(::setrlimit(RLIMIT_FSIZE, &limited) == 0);
-  std::vector<std::string> accepted;
-  for (const std::string& format : field_formats()) {
-    try {
-      write_field(c.output(), folder.path / ("full." + format));
-      accepted.push_back(format);
-    } catch (const FileError&) {
-    }
-  }
-  bool old_threw = false;
-  try {
-    write_field(c.output(), folder.path / "old.ply");
-  } catch (const FileError&) {
-    old_threw = true;
-  }
-  ::setrlimit(RLIMIT_FSIZE, &unlimited);
-  std::signal(SIGXFSZ, old_handler);
-  CHECK(accepted.empty());
-  CHECK(old_threw);
-  CHECK(folder.names() == std::set<std::string>{"old.ply"});
-  CHECK(contents(folder.path / "old.ply") == "old");
-}
-
-TEST_CASE("what cannot be written is refused before anything is, naming the member") {
-  const Folder folder;
-  const auto refused = [&](const Case& c, const char* member) {
-    for (const std::string& format : field_formats()) {
-      try {
-        write_field(c.output(), folder.path / ("f." + format));
-        FAIL_CHECK(member);
-      } catch (const OptionError& error) {
-        CHECK(error.field() == member);
-      }
-    }
-    CHECK(folder.names().empty());
-  };
-  const Case good(icosphere(1), 4);
-  Case c = good;
-  c.field.frames.reset();
-  refused(c, "field.frames");
-  c = good;
-  c.field.n = 0;
-  refused(c, "field.n");
-  c = good;
-  c.field.u.conservativeResize(3);
-  refused(c, "field.u");
-  c = good;
-  c.field.u[7] = {0, std::nan("")};
-  refused(c, "field.u");
-  c = good;
-  c.connection.K.resize(0);
-  refused(c, "connection.K");
-  c = good;
-  c.singularities.push_back({.face = 80});
-  refused(c, "singularities");
-  c = good;
-  c.extra.resize(79);
-  c.scalars = {{"div", c.extra}};
-  refused(c, "div");
-  c.extra.resize(80);
-  c.scalars = {{"K", c.extra}};
-  refused(c, "face_scalars");
-  c.scalars = {{"div", c.extra}, {"div", c.extra}};
-  refused(c, "face_scalars");
-}
-
-TEST_CASE("read_field refuses what is no field file, and one cut anywhere") {
-  const Folder folder;
-  Case c(icosphere(1), 4);
-  c.randomise(2);
-  const fs::path path = folder.path / "f.ply", broken = folder.path / "broken.ply";
-  write_field(c.output(), path);
-  const std::string whole = contents(path);
-  const auto throws = [&](const std::string& bytes) {
-    std::ofstream(broken, std::ios::binary | std::ios::trunc) << bytes;
-    try {
-      static_cast<void>(read_field(broken));
-      return false;
-    } catch (const FileError& error) {
-      CHECK(error.path() == broken.string());
-      return true;
-    }
-  };
-  CHECK_FALSE(throws(whole));
-  for (std::size_t size = 0; size < whole.size(); size += size < 1200 ? 1 : 37) CHECK(throws(whole.substr(0, size)));
-  CHECK(throws(whole.substr(0, whole.size() - 1)));
-  CHECK(throws(whole + "x"));
-  const auto changed = [&](const std::string& from, const std::string& to) {
-    std::string bytes = whole;
-    const std::size_t at = bytes.find(from);
-    REQUIRE(at != std::string::npos);
-    return bytes.replace(at, from.size(), to);
-  };
-  CHECK(throws(changed("obj_info n 4\n", "")));
-  CHECK(throws(changed("obj_info n 4\n", "obj_info n 0\n")));
-  CHECK(throws(changed("obj_info n 4\n", "obj_info n 4x\n")));
-  CHECK(throws(changed("obj_info alcap_field 1\n", "obj_info alcap_field 2\n")));
-  CHECK(throws(changed("connection local", "connection loca")));
-  CHECK(throws(changed("property double u_re", "property double v_re")));
-  CHECK(throws(changed("property double axis_z", "property float axis_z")));
-  CHECK(throws(changed("binary_little_endian", "binary_big_endian")));
-  std::string not_finite = whole;
-  const double nan = std::nan("");
-  std::memcpy(not_finite.data() + whole.find("end_header\n") + 11 + 9 * 8, &nan, 8);  // u_re of vertex 0
-  CHECK(throws(not_finite));
-  CHECK_THROWS_AS(static_cast<void>(read_field(folder.path / "missing.ply")), FileError);
-  CHECK_THROWS_AS(static_cast<void>(read_field(folder.path)), FileError);
-}
-
-// Run by read_vtp.py with ALCAP_SAMPLE_FOLDER set: files to read with VTK, and what has to be found in them.
 TEST_CASE("write samples for VTK" * doctest::skip()) {
   const char* const folder = std::getenv("ALCAP_SAMPLE_FOLDER");
   REQUIRE(folder != nullptr);
