@@ -224,7 +224,7 @@ Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geo
       connection = polar(mesh, geometry, options.polar);
       break;
     case ConnectionKind::trivial:
-      throw OptionError("connection", "trivial", "needs cones; build it with connection.h");
+      return trivial(mesh, geometry, options.cones, {.n = options.n, .global = options.global});
   }
   measure_deviation(mesh, geometry, options.global, connection);
   return connection;

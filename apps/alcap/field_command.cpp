@@ -26,6 +26,7 @@ constexpr const char* footer =
     "  alcap field bunny.ply -o out --formats ply,rosy\n"
     "  alcap field scan.stl --repair weld -o out    a triangle soup, welded first\n"
     "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
+    "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
     "  alcap field bunny.ply --json                 no files, just the certificate\n"
     "\n"
     "The files hold n-vectors: long where the field is sure, short near singularities. --unit makes them\n"
@@ -86,7 +87,9 @@ std::string summary(const FieldOptions& options, const Json& report) {
   line("memory", fmt::format("{:.0f} MB at most", report["peak_memory_bytes"].get<double>() / 1e6));
   for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
   for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
-  for (const Json& f : report["files"]) line("wrote", f.get<std::string>());
+  std::string files;
+  for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
+  if (!files.empty()) line("wrote", files);
   line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
   return text;
 }

@@ -9,6 +9,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -44,6 +45,24 @@ std::string version_text() {
   return fmt::format("alcap {}\nsolvers: {}\ninstruction set: {} (this machine has {})\n", version(), solvers,
                      detail::name(detail::best_isa()), sets);
 }
+
+/// CLI11's help with descriptions wrapped to the width of a terminal.
+class WrappedHelp : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::size_t width = 100 - get_column_width();
+    std::string text, line;
+    std::istringstream words(CLI::Formatter::make_option_desc(option));
+    for (std::string word; words >> word;) {
+      if (!line.empty() && line.size() + 1 + word.size() > width) {
+        text += line + "\n";
+        line.clear();
+      }
+      line += (line.empty() ? "" : " ") + word;
+    }
+    return text + line;
+  }
+};
 
 void print(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
@@ -124,6 +143,7 @@ void add_common(const Command& command, CLI::App& app, Common& common) {
 
 int start(int argc, char** argv) {
   CLI::App app(description, "alcap");
+  app.formatter(std::make_shared<WrappedHelp>());  // before the subcommands, which inherit it
   app.footer(footer);
   app.require_subcommand(0, 1);
   bool version = false;

@@ -117,7 +117,12 @@ Outcome run(OpsOptions options, Progress& progress) {
   const MeshFile file = read_choice(options.mesh);
   const FieldFile field_file = read_field(options.field);
   check_same_mesh(options, file, field_file);
-  if (options.connection->count() == 0) options.run.connection = field_file.connection;
+  options.run.n = field_file.field.n;
+  if (options.connection->count() == 0 && options.run.cones.empty()) options.run.connection = field_file.connection;
+  if (options.run.connection == ConnectionKind::trivial && options.run.cones.empty()) {
+    throw Failure(Exit::usage, "the field was made with a trivial connection; repeat its --cone options here",
+                  {{"option", "--cone"}});
+  }
   std::vector<Remark> remarks;
   const Mesh mesh(apply_repairs(file.V, file.F, options.mesh.repairs, remarks), file.V.rows());
   const Geometry<double> geometry(mesh, file.V);

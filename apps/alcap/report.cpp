@@ -109,12 +109,16 @@ Json components_json(const FieldRun& run) {
 Json options_json(const FieldRunOptions& options) {
   Json repairs = Json::array();
   for (const Repair r : options.repairs) repairs.push_back(r == Repair::weld ? "weld" : "orient");
+  Json cones = Json::array();
+  for (const Cone& c : options.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
   return {{"n", options.n},
           {"energy", number(options.s)},
           {"connection", name(options.connection, options.polar.center)},
           {"detail", number(options.global.detail)},
+          {"cones", std::move(cones)},
           {"tolerance", number(options.eigen.tolerance)},
           {"solver", options.eigen.solver},
+          {"method", options.eigen.method},
           {"repairs", std::move(repairs)},
           {"unit", options.normalise}};
 }
@@ -334,10 +338,13 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
 }
 
 std::string grouped(std::int64_t value) {
-  std::string digits = std::to_string(value);
-  const std::size_t first = value < 0 ? 1 : 0;
-  for (std::size_t at = digits.size(); at > first + 3; at -= 3) digits.insert(at - 3, ",");
-  return digits;
+  const std::string digits = std::to_string(value);
+  std::string text;
+  for (std::size_t k = 0; k < digits.size(); ++k) {
+    if (k > 0 && (digits.size() - k) % 3 == 0 && digits[k - 1] != '-') text += ',';
+    text += digits[k];
+  }
+  return text;
 }
 
 }  // namespace alcap::app

@@ -27,10 +27,10 @@ void add_mesh_options(CLI::App& app, MeshChoice& choice);
 /// Reads the mesh. Throws FileError.
 [[nodiscard]] MeshFile read_choice(const MeshChoice& choice);
 
-/// Adds --connection and --detail, which set connection, polar.center and global.detail of `options`.
+/// Adds --connection, --cone and --detail, which set connection, polar.center, cones and global.detail of `options`.
 void add_connection_options(CLI::App& app, FieldRunOptions& options);
 
-/// Adds --tolerance, --solver and --max-iterations.
+/// Adds --solver, --method, --tolerance and --max-iterations.
 void add_eigen_options(CLI::App& app, EigenOptions& options);
 
 }  // namespace alcap::app

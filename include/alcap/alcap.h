@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// alcap.h: all public headers at once, in the order the data flows.
+// alcap.h: all public headers at once.
 #pragma once
 
 // IWYU pragma: begin_exports
@@ -14,9 +14,12 @@
 #include "alcap/frames.h"
 #include "alcap/generators.h"
 #include "alcap/geometry.h"
+#include "alcap/memory.h"
 #include "alcap/mesh.h"
 #include "alcap/mesh_check.h"
 #include "alcap/mesh_io.h"
+#include "alcap/operators.h"
+#include "alcap/output.h"
 #include "alcap/pipeline.h"
 #include "alcap/singularities.h"
 #include "alcap/solve.h"

@@ -32,11 +32,11 @@ enum class Repair {
 struct FieldRunOptions {
   int n = 4;       // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
   double s = 0.0;  // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
-  ConnectionKind connection =
-      ConnectionKind::global;  // the most accurate one, at O(V) cost; trivial is not offered here
-  PolarOptions polar = {};     // read when connection is polar
-  GlobalOptions global = {};   // read when connection is global; its weights also measure D_T and D_E of the others
-  EigenOptions eigen = {};     // tolerance and solver
+  ConnectionKind connection = ConnectionKind::global;  // the most accurate one, at O(V) cost
+  PolarOptions polar = {};                             // read when connection is polar
+  GlobalOptions global = {};     // read when connection is global; its weights also measure D_T and D_E of the others
+  std::vector<Cone> cones = {};  // read when connection is trivial: they must sum to the Euler characteristic
+  EigenOptions eigen = {};       // tolerance and solver
   std::vector<Repair> repairs = {};  // none by default: a mesh is not changed unasked. Welding always comes first
   bool normalise = false;            // true: divide by |u| afterwards, an n-direction field
   int threads = 0;                   // 0: as many as the machine has; results do not depend on it
