@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "alcap/operators.h"
 #include "alcap/parallel.h"
-#include "src/triangle_frame.h"
 
 namespace alcap {
 namespace {
@@ -77,12 +77,8 @@ Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connectio
                   const Field<T>& field, std::shared_ptr<const Frames<T>> face_frames) {
   Field<T> out{field.n, ComplexVectorX<T>(mesh.faces()), std::move(face_frames)};
   parallel_for(mesh.faces(), [&](std::int64_t t) {
-    const auto frame = detail::triangle_frame(mesh, geometry, connection, static_cast<Index>(t));
-    kernels::Cplx<T> u[3];
-    detail::corner_values(mesh, field.u, static_cast<Index>(t), u);
-    const T center[3] = {T(1) / 3, T(1) / 3, T(1) / 3};
-    const kernels::Cplx<T> value = kernels::field_at(frame, u, center, T(field.n)).value;
-    out.u[t] = {value.re, value.im};
+    const FaceField<T> face = face_field(mesh, geometry, connection, field.n, field.u, static_cast<Index>(t));
+    out.u[t] = face.at({T(1) / 3, T(1) / 3, T(1) / 3}).u;
   });
   return out;
 }

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "alcap/singularities.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
+#include "alcap/operators.h"
 #include "alcap/parallel.h"
-#include "src/triangle_frame.h"
 
 namespace alcap {
 namespace {
 
-using Value = kernels::Cplx<double>;
 using Barycentric = std::array<double, 3>;
 
 double argument(const Complex<double>& z) { return z == Complex<double>(0) ? 0.0 : std::arg(z); }
@@ -23,41 +23,25 @@ double turn_along(const Mesh& mesh, const Connection<double>& connection, const 
 
 int to_count(double turns) { return static_cast<int>(std::nearbyint(turns / (2 * pi<double>))); }
 
-// The closed-form field on one face.
-struct FaceField {
-  kernels::TriangleFrame<double> frame;
-  Value u[3];
-  double n;
-  double scale;  // largest modulus at the corners
-
-  [[nodiscard]] kernels::FieldAt<double> at(const Barycentric& b) const {
-    const double point[3] = {b[0], b[1], b[2]};
-    return kernels::field_at(frame, u, point, n);
-  }
-};
-
-double modulus(const Value& z) { return std::hypot(z.re, z.im); }
-
 bool inside(const Barycentric& b) {
   constexpr double slack = 1e-12;
   return b[0] >= -slack && b[1] >= -slack && b[2] >= -slack;
 }
 
 // Newton's method from a start; at a zero the covariant derivative is the derivative. Steps are cut so that an iterate
-// stays within a triangle's size of the face.
-std::optional<Barycentric> newton(const FaceField& f, Barycentric b) {
+// stays within a triangle's size of the face. `scale` is the largest modulus at the corners.
+std::optional<Barycentric> newton(const FaceField<double>& f, double scale, Barycentric b) {
   constexpr int max_steps = 40;
   for (int step = 0; step < max_steps; ++step) {
-    const kernels::FieldAt<double> u = f.at(b);
-    if (modulus(u.value) <= 1e-14 * f.scale) return b;
-    const double det = u.d1.re * u.d2.im - u.d2.re * u.d1.im;
+    const FieldValue<double> at = f.at(b);
+    if (std::abs(at.u) <= 1e-14 * scale) return b;
+    const double det = (std::conj(at.d1) * at.d2).imag();
     if (det == 0.0) return std::nullopt;
-    const double dx = (-u.value.re * u.d2.im + u.d2.re * u.value.im) / det;
-    const double dy = (-u.d1.re * u.value.im + u.value.re * u.d1.im) / det;
+    const double dx = (at.u * std::conj(at.d2)).imag() / det, dy = (at.d1 * std::conj(at.u)).imag() / det;
     Barycentric change;
     double largest = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-      change[i] = f.frame.grad[i].re * dx + f.frame.grad[i].im * dy;
+      change[i] = f.grad[i].real() * dx + f.grad[i].imag() * dy;
       largest = std::max(largest, std::abs(change[i]));
     }
     if (!std::isfinite(largest)) return std::nullopt;
@@ -65,10 +49,13 @@ std::optional<Barycentric> newton(const FaceField& f, Barycentric b) {
     for (std::size_t i = 0; i < 3; ++i) b[i] += cut * change[i];
     if (largest <= 1e-15) return b;
   }
-  return modulus(f.at(b).value) <= 1e-10 * f.scale ? std::optional(b) : std::nullopt;
+  return std::abs(f.at(b).u) <= 1e-10 * scale ? std::optional(b) : std::nullopt;
 }
 
-std::optional<Barycentric> find_zero(const FaceField& f) {
+std::optional<Barycentric> find_zero(const FaceField<double>& f) {
+  double scale = 0;
+  for (const Complex<double>& u : f.u) scale = std::max(scale, std::abs(u));
+  if (scale == 0) return std::nullopt;
   // A lattice of starts, the middle first: a field of index one in the face is nearly linear there and the first succeeds.
   constexpr int n = 6;
   std::vector<Barycentric> starts{{1.0 / 3, 1.0 / 3, 1.0 / 3}};
@@ -78,7 +65,7 @@ std::optional<Barycentric> find_zero(const FaceField& f) {
       starts.push_back({a, b, 1 - a - b});
     }
   for (const Barycentric& start : starts)
-    if (const auto zero = newton(f, start); zero && inside(*zero)) return zero;
+    if (const auto zero = newton(f, scale, start); zero && inside(*zero)) return zero;
   return std::nullopt;
 }
 
@@ -109,26 +96,19 @@ std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<dou
       static_cast<std::int64_t>(found.size()),
       [&](std::int64_t i) {
         Singularity& s = found[static_cast<std::size_t>(i)];
-        FaceField f{.frame = detail::triangle_frame(mesh, geometry, connection, s.face),
-                    .u = {},
-                    .n = double(field.n),
-                    .scale = 0};
-        detail::corner_values(mesh, field.u, s.face, f.u);
-        for (const Value& u : f.u) f.scale = std::max(f.scale, modulus(u));
-        const std::optional<Barycentric> zero = f.scale > 0 ? find_zero(f) : std::nullopt;
+        const FaceField<double> f = face_field(mesh, geometry, connection, field.n, field.u, s.face);
+        const std::optional<Barycentric> zero = find_zero(f);
         s.located = zero.has_value();
         s.barycentric = zero.value_or(Barycentric{1.0 / 3, 1.0 / 3, 1.0 / 3});
         // Near the zero u = a w + b conj(w), a half of div + i curl, b half of the reflected pair.
-        const kernels::FieldAt<double> at = f.at(s.barycentric);
+        const FieldValue<double> at = f.at(s.barycentric);
         if (s.index > 0) {
-          const Value a = at.div_curl();
-          const double angle = std::atan2(a.im, a.re);
+          const double angle = std::arg(at.div_curl());
           s.orientation = field.n == 1 ? angle
                                        : positive_remainder(angle / (field.n - 1), 2 * pi<double> / (field.n - 1));
         } else {
-          const Value b = at.reflected();
           s.orientation =
-              positive_remainder(std::atan2(b.im, b.re) / (field.n + 1), 2 * pi<double> / (field.n + 1));
+              positive_remainder(std::arg(at.reflected()) / (field.n + 1), 2 * pi<double> / (field.n + 1));
         }
       },
       16);
