@@ -27,10 +27,10 @@ using MatrixX = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// What a linear solve did. Times in seconds.
 struct SolveReport {
-  std::string solver;          ///< the backend and its choices, e.g. "cholmod (metis)"
+  std::string solver;  ///< the backend and its choices, e.g. "cholmod (metis)"
   bool converged = false;
-  int iterations = 0;          ///< 0 for direct solvers
-  double residual = 0;         ///< max over columns of |A x - b| / |b|, recomputed
+  int iterations = 0;   ///< 0 for direct solvers
+  double residual = 0;  ///< max over columns of |A x - b| / |b|, recomputed
   double analyse_seconds = 0;
   double factorise_seconds = 0;
   double solve_seconds = 0;
@@ -54,8 +54,8 @@ class LinearSolver {
   virtual void analyse(const SparseMatrix<Scalar>& A) = 0;
   /// Numeric factorisation; A must have the analysed pattern. Throws SolveError when A is not positive definite.
   virtual void factorise(const SparseMatrix<Scalar>& A) = 0;
-  /// Solves A X = B for the columns of B. The residual in the report is left at 0 by direct backends: recompute it where
-  /// it matters, with residual().
+  /// Solves A X = B for the columns of B. The residual in the report is left at 0 by direct backends: recompute it
+  /// where it matters, with residual().
   virtual SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const = 0;
   [[nodiscard]] virtual std::string name() const = 0;
 };
@@ -79,21 +79,22 @@ void hermitian_product(const SparseMatrix<std::complex<double>>& A, const std::c
 struct EigenOptions {
   /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked.
   double tolerance = 1e-8;
-  std::string solver = "auto";      // linear backend inside shift-invert
-  int max_iterations = 1000;        // operator applications before giving up
-  std::uint64_t seed = 1;           // of the start vector
+  std::string solver = "auto";  // linear backend inside shift-invert; see linear_solvers()
+  std::string method = "auto";  // eigensolver; see eigen_solvers(). Tiny problems are solved densely
+  int max_iterations = 1000;    // operator applications before giving up
+  std::uint64_t seed = 1;       // of the start vector
 };
 
 /// What an eigensolve did.
 struct EigenReport {
-  std::string solver;       ///< e.g. "shift-invert Lanczos, cholmod (amd)"
+  std::string solver;  ///< e.g. "shift-invert Lanczos, cholmod (amd)"
   bool converged = false;
-  int iterations = 0;       ///< operator applications (linear solves)
-  double lambda = 0;        ///< smallest eigenvalue
-  double next = 0;          ///< the next one, counted with multiplicity as far as found
-  double residual = 0;      ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
+  int iterations = 0;   ///< operator applications (linear solves)
+  double lambda = 0;    ///< smallest eigenvalue
+  double next = 0;      ///< the next one, counted with multiplicity as far as found
+  double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
   double seconds = 0;
-  std::string message;      ///< empty when all is well
+  std::string message;  ///< empty when all is well; says why when the tolerance was not reached
 };
 
 struct EigenResult {
@@ -101,8 +102,13 @@ struct EigenResult {
   EigenReport report;
 };
 
+/// Names of the eigensolvers.
+[[nodiscard]] std::vector<std::string> eigen_solvers();
+
 /// Smallest eigenpair of S u = lambda M u, S Hermitian positive semidefinite, M Hermitian positive definite.
-/// `area` (the surface's) gives the scale of eigenvalues, so that lambda = 0 is judged sensibly.
+/// `area` (the surface's) gives the scale of eigenvalues, so that lambda = 0 is judged sensibly. Within a multiple or
+/// nearly multiple eigenvalue any vector is right. Non-convergence is reported; throws SolveError when memory runs out,
+/// M is not positive definite or S is clearly indefinite, OptionError for bad options.
 [[nodiscard]] EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S,
                                              const SparseMatrix<std::complex<double>>& M, double area,
                                              const EigenOptions& options = {});

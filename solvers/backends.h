@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+//
+// backends.h: what a solver backend gives the factory: one maker per scalar. Internal to solvers/.
+//
+// A new linear backend is one file that defines its makers, their declaration here, and one line of the table in
+// factory.cpp.
+#pragma once
+
+#include <chrono>
+#include <complex>
+#include <memory>
+
+#include "alcap/solve.h"
+
+namespace alcap::detail {
+
+template <class Scalar>
+using SolverPtr = std::unique_ptr<LinearSolver<Scalar>>;
+
+/// Fill-reducing ordering of CHOLMOD. `automatic` decides by the number of rows when the pattern is analysed.
+enum class Ordering { automatic, amd, metis };
+
+template <class Scalar>
+[[nodiscard]] SolverPtr<Scalar> make_cholmod(Ordering ordering);
+template <class Scalar>
+[[nodiscard]] SolverPtr<Scalar> make_eigen_ldlt();
+
+/// A positive pivot this many rounding units below its diagonal entry carries no digit: the matrix is singular to
+/// working precision. A margin of 64 covers the rounding errors summed up in one pivot.
+inline constexpr double singular_pivot = 64 * 2.2204460492503131e-16;
+
+/// Throws SolveError unless A is square and has at least one row.
+template <class Scalar>
+void require_square(const SparseMatrix<Scalar>& A) {
+  if (A.rows() != A.cols() || A.rows() == 0) {
+    throw SolveError("the matrix is " + std::to_string(A.rows()) + " x " + std::to_string(A.cols()) +
+                     ": it must be square and not empty");
+  }
+}
+
+/// Throws SolveError unless B and X have `rows` rows and as many columns as each other.
+template <class B, class X>
+void require_sizes(const B& b, const X& x, Eigen::Index rows) {
+  if (b.rows() != rows || x.rows() != rows || b.cols() != x.cols()) {
+    throw SolveError("right-hand side " + std::to_string(b.rows()) + " x " + std::to_string(b.cols()) + ", solution " +
+                     std::to_string(x.rows()) + " x " + std::to_string(x.cols()) + " do not fit a matrix of " +
+                     std::to_string(rows) + " rows");
+  }
+}
+
+/// Throws OptionError unless `name` is "auto" or one of `known`, which the message lists.
+void require_known(const char* field, const std::string& name, const std::vector<std::string>& known);
+
+/// Wall-clock seconds since construction.
+class Timer {
+ public:
+  [[nodiscard]] double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace alcap::detail

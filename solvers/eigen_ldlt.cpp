@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: MIT
+//
+// eigen_ldlt.cpp: Eigen's simplicial LDL^H with AMD ordering. No dependency beyond Eigen; on one thread and without
+// dense blocks, so only for small problems and for embedders who build without CHOLMOD.
+#include <Eigen/SparseCholesky>
+#include <cstdint>
+#include <new>
+#include <string>
+
+#include "solvers/backends.h"
+
+namespace alcap::detail {
+namespace {
+
+template <class Scalar>
+class EigenLdlt final : public LinearSolver<Scalar> {
+ public:
+  void analyse(const SparseMatrix<Scalar>& A) override {
+    const Timer timer;
+    require_square(A);
+    factorised_ = false;
+    rows_ = A.rows();
+    nonzeros_ = A.nonZeros();
+    guarded("analysis", [&] { ldlt_.analyzePattern(Wide(A)); });
+    report_.analyse_seconds = timer.seconds();
+  }
+
+  void factorise(const SparseMatrix<Scalar>& A) override {
+    const Timer timer;
+    if (rows_ == 0) throw SolveError("Eigen LDLT: factorise() before analyse()");
+    if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
+      throw SolveError("Eigen LDLT: the matrix has another pattern than the one analysed");
+    }
+    factorised_ = false;
+    guarded("factorisation", [&] { ldlt_.factorize(Wide(A)); });
+    if (ldlt_.info() != Eigen::Success) throw SolveError("Eigen LDLT: the matrix is singular (zero pivot)");
+    const auto pivots = ldlt_.vectorD();
+    const VectorX<double> diagonal = A.diagonal().real();
+    for (Eigen::Index k = 0; k < rows_; ++k) {
+      const Eigen::Index column = ldlt_.permutationPinv().indices()[k];
+      const double pivot = std::real(pivots[k]);
+      if (pivot > singular_pivot * diagonal[column]) continue;
+      throw SolveError(std::string("Eigen LDLT: the matrix is ") +
+                       (pivot < -singular_pivot * std::abs(diagonal[column]) ? "not positive definite"
+                                                                             : "singular to working precision") +
+                       " (found at column " + std::to_string(column) + ")");
+    }
+    factorised_ = true;
+    report_.factor_nonzeros = ldlt_.matrixL().nestedExpression().nonZeros() + rows_;
+    report_.factorise_seconds = timer.seconds();
+  }
+
+  SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
+    const Timer timer;
+    if (!factorised_) throw SolveError("Eigen LDLT: solve() before factorise()");
+    require_sizes(B, X, rows_);
+    X = ldlt_.solve(B);
+    SolveReport report = report_;
+    report.solver = name();
+    report.converged = true;
+    report.solve_seconds = timer.seconds();
+    return report;
+  }
+
+  [[nodiscard]] std::string name() const override { return "eigen-ldlt"; }
+
+ private:
+  // 64-bit indices: the factor of a few million rows has more than 2^31 entries.
+  using Wide = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, std::int64_t>;
+
+  template <class Step>
+  static void guarded(const char* name, Step&& step) {
+    try {
+      step();
+    } catch (const std::bad_alloc&) {
+      throw SolveError(std::string("Eigen LDLT ") + name + ": out of memory");
+    }
+  }
+
+  Eigen::SimplicialLDLT<Wide, Eigen::Lower, Eigen::AMDOrdering<std::int64_t>> ldlt_;
+  Eigen::Index rows_ = 0;
+  Eigen::Index nonzeros_ = 0;
+  bool factorised_ = false;
+  SolveReport report_;  // times of analyse() and factorise()
+};
+
+}  // namespace
+
+template <class Scalar>
+SolverPtr<Scalar> make_eigen_ldlt() {
+  return std::make_unique<EigenLdlt<Scalar>>();
+}
+template SolverPtr<double> make_eigen_ldlt<double>();
+template SolverPtr<std::complex<double>> make_eigen_ldlt<std::complex<double>>();
+
+}  // namespace alcap::detail

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+//
+// factory.cpp: the table of linear backends, and the choice among them.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "solvers/backends.h"
+
+namespace alcap {
+namespace {
+
+using detail::SolverPtr;
+using std::complex;
+
+struct Backend {
+  const char* name;
+  SolverPtr<double> (*real)(const SolverOptions&);
+  SolverPtr<complex<double>> (*hermitian)(const SolverOptions&);
+};
+
+// One line per backend, the preferred one first: "auto" takes it.
+const auto backends = std::to_array<Backend>({
+#ifdef ALCAP_WITH_CHOLMOD
+    {"cholmod", [](const SolverOptions&) { return detail::make_cholmod<double>(detail::Ordering::automatic); },
+     [](const SolverOptions&) { return detail::make_cholmod<complex<double>>(detail::Ordering::automatic); }},
+    {"cholmod-amd", [](const SolverOptions&) { return detail::make_cholmod<double>(detail::Ordering::amd); },
+     [](const SolverOptions&) { return detail::make_cholmod<complex<double>>(detail::Ordering::amd); }},
+    {"cholmod-metis", [](const SolverOptions&) { return detail::make_cholmod<double>(detail::Ordering::metis); },
+     [](const SolverOptions&) { return detail::make_cholmod<complex<double>>(detail::Ordering::metis); }},
+#endif
+    {"eigen-ldlt", [](const SolverOptions&) { return detail::make_eigen_ldlt<double>(); },
+     [](const SolverOptions&) { return detail::make_eigen_ldlt<complex<double>>(); }},
+});
+
+void validate(const SolverOptions& options) {
+  detail::require_known("name", options.name, linear_solvers());
+  if (!(options.tolerance > 0 && options.tolerance < 1)) {
+    throw OptionError("tolerance", std::to_string(options.tolerance), "must be in (0, 1)");
+  }
+  if (options.max_iterations < 1) {
+    throw OptionError("max_iterations", std::to_string(options.max_iterations), "must be at least 1");
+  }
+}
+
+}  // namespace
+
+void detail::require_known(const char* field, const std::string& name, const std::vector<std::string>& known) {
+  if (name == "auto" || std::find(known.begin(), known.end(), name) != known.end()) return;
+  std::string list = "unknown; there are auto";
+  for (const std::string& k : known) list += ", " + k;
+  throw OptionError(field, "'" + name + "'", list);
+}
+
+std::vector<std::string> linear_solvers() {
+  std::vector<std::string> names;
+  for (const Backend& b : backends) names.emplace_back(b.name);
+  return names;
+}
+
+template <class Scalar>
+std::unique_ptr<LinearSolver<Scalar>> make_linear_solver(const SolverOptions& options) {
+  validate(options);
+  const auto chosen = std::find_if(backends.begin(), backends.end(),
+                                   [&](const Backend& b) { return options.name == b.name || options.name == "auto"; });
+  if constexpr (std::is_same_v<Scalar, double>) {
+    return chosen->real(options);
+  } else {
+    return chosen->hermitian(options);
+  }
+}
+
+template std::unique_ptr<LinearSolver<double>> make_linear_solver<double>(const SolverOptions&);
+template std::unique_ptr<LinearSolver<complex<double>>> make_linear_solver<complex<double>>(const SolverOptions&);
+
+}  // namespace alcap
