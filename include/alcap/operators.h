@@ -31,11 +31,13 @@ enum class OperatorKind {
 
 struct OperatorOptions {
   int n = 1;                               // 1 vector field, 2 line field, 4 cross field; any integer is legal
-  OperatorKind kind = OperatorKind::edge;  // more accurate on fine meshes, and exact over patches
+  OperatorKind kind = OperatorKind::edge;  // sums over patches are exact, and so is E_A - E_H nearly
 };
 
 /// The operators P and Q, #F x #V complex with three entries a row. p[3 t + c] is the entry of P in row t and column
-/// F(t,c). P and Q have full column rank up to fields that are (anti)holomorphic; neither is symmetric in any sense.
+/// F(t,c).
+/// The kernel of P holds the fields without divergence and curl, that of Q those without reflected pair: constants on
+/// flat pieces, usually nothing elsewhere.
 template <class T>
 struct FirstOrderOperators {
   OperatorOptions options;
@@ -70,7 +72,7 @@ template <class T>
 
 /// Energies as sums over faces of squared face means: E_A = 1/2 sum |P u|^2 / A, E_H = 1/2 sum |Q u|^2 / A.
 /// They are lower bounds of the exact energies of energies.h when the operators are triangle-based, and E_A - E_H of an
-/// edge- based unit field is 2 pi chi nearly exactly on closed surfaces (n = 1).
+/// edge-based unit field is 2 pi chi nearly exactly on closed surfaces (n = 1).
 struct OperatorEnergies {
   double antiholomorphic = 0;  ///< E_A, vanishes where div and curl do
   double holomorphic = 0;      ///< E_H, vanishes where the reflected pair does
