@@ -9,8 +9,8 @@
 //   auto x = alcap::face_field(mesh, geometry, connection, 1, u, t).at({0.2, 0.3, 0.5});   // x.div(), x.curl(), ...
 //
 // With covariant derivatives D_1, D_2 along the face frame, P integrates D_1 - i D_2 and Q integrates D_1 + i D_2. P u
-// is an (n-1)-vector and Q u an (n+1)-vector in the face frames. Both keep their values under uniform scaling with the
-// length: field values fixed, lengths times s, give s P u.
+// is an (n-1)-vector and Q u an (n+1)-vector in the face frames. The same components on a mesh s times as large
+// give s P u.
 #pragma once
 
 #include <array>
