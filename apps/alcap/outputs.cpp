@@ -58,6 +58,7 @@ fs::path existing_parent(const fs::path& path) {
 
 void check_folder(const fs::path& folder, const fs::path& target) {
   std::error_code error;
+  if (!fs::exists(folder, error)) fail(target, fmt::format("there is no folder {}; create it first", folder.string()));
   if (!fs::is_directory(folder, error)) fail(target, fmt::format("{} is not a folder", folder.string()));
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
     fail(target, fmt::format("no permission to write into {}", folder.string()));
