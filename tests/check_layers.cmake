@@ -27,7 +27,7 @@ set(also
   "^src/output/ = output"
   "^src/face_edges = mesh_check"
   "^src/homology = topology"
-  "^src/triangle_frame = connection"
+  "^src/(triangle_frame|correction_system) = connection"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
   "^include/alcap/detail/atomic_file = errors"
