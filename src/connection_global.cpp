@@ -104,12 +104,12 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   std::optional<CorrectionSystem<float>> float_system(std::in_place, mesh, float_cots, float_weight, fix_rho);
 
   const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-  Correction<T> gradient{VectorX<T>(mesh.halfedges()), VectorX<T>(fix_rho ? 0 : mesh.edges())}, x;
+  Correction<T> gradient = system.zeros(), x = system.zeros();
   double first = 0, last = 0;
   c.report.iterations = 0;
   for (int round = 0;; ++round) {
     system.gradient(c.tau, r.start, r.end, gradient);
-    const double norm = std::sqrt(squared_norm(system.scale(), gradient));
+    const double norm = std::sqrt(std::max(0.0, system.precondition(gradient, x)));
     if (round == 0) first = norm;
     // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
     const double floor = double(std::numeric_limits<T>::epsilon()) * std::sqrt(double(mesh.halfedges()));

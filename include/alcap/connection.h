@@ -22,8 +22,9 @@ namespace alcap {
 enum class ConnectionKind { polar, local, global, trivial };
 
 /// The point of a triangle that the polar map's corner directions aim at (LTGD 2016, eq. 12). The incenter's
-/// direction bisects the corner, so tau -> 0 under refinement; with the barycenter tau tends to a shape-dependent
-/// constant and triangle-based operators diverge like 1/h. Offered to reproduce published tables.
+/// direction bisects the corner, so tau -> 0 under refinement. With the barycenter tau tends to a shape-dependent
+/// constant: the triangle-based Dirichlet energy keeps an error that refinement does not remove, and first-order
+/// operators lose an order. Edge-based operators do not see the choice. Offered to reproduce published tables.
 enum class PolarCenter { incenter, barycenter };
 
 /// Weight of an edge in D_E besides its tangent.
@@ -34,7 +35,7 @@ enum class LengthFactor {
 };
 
 struct PolarOptions {
-  PolarCenter center = PolarCenter::incenter;  // see PolarCenter: the operators converge only with this one
+  PolarCenter center = PolarCenter::incenter;  // see PolarCenter: only this one converges in every measure
 };
 
 struct GlobalOptions {

@@ -34,7 +34,7 @@ class FileError : public Error {
   std::int64_t offset_;
 };
 
-/// What is wrong with a mesh. The order is the order in which checks run.
+/// What is wrong with a mesh. Checks run in the order given in mesh_check.h.
 enum class Defect {
   empty,
   index_out_of_range,
