@@ -13,7 +13,8 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
   const Index vertices = mesh.vertices();
   const std::int64_t nonzeros = std::int64_t{vertices} + 2 * std::int64_t{mesh.edges()};
   if (nonzeros > std::numeric_limits<Index>::max())
-    throw OptionError("mesh", std::to_string(nonzeros) + " matrix entries", "at most 2^31 - 1 fit 32-bit sparse indices");
+    throw OptionError("mesh", std::to_string(nonzeros) + " matrix entries",
+                      "at most 2^31 - 1 fit 32-bit sparse indices");
 
   // A vertex's column holds itself and its neighbours: one per leaving halfedge, one more at a boundary.
   outer_.assign(static_cast<std::size_t>(vertices) + 1, 0);
@@ -41,9 +42,7 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
     if (mesh.boundary_vertex(v)) inner_[static_cast<std::size_t>(k++)] = mesh.tail(Mesh::prev(last));
     const auto first = inner_.begin() + begin, stop = inner_.begin() + end;
     std::sort(first, stop);
-    const auto slot = [&](Index row) {
-      return begin + static_cast<Index>(std::lower_bound(first, stop, row) - first);
-    };
+    const auto slot = [&](Index row) { return begin + static_cast<Index>(std::lower_bound(first, stop, row) - first); };
     diagonal_[static_cast<std::size_t>(v)] = slot(v);
     // Column v holds (i, v) for canonical halfedges i -> v and (j, v), the mirror, for canonical v -> j.
     mesh.for_each_outgoing(v, [&](Index h) {
@@ -118,7 +117,7 @@ template SparseMatrix<float> real_view(const SparseMatrix<Complex<float>>&);
 template SparseMatrix<double> real_view(const SparseMatrix<Complex<double>>&);
 template SparseMatrix<Complex<float>> diagonal_block(const SparseMatrix<Complex<float>>&, const std::vector<Index>&,
                                                      const std::vector<Index>&);
-template SparseMatrix<Complex<double>> diagonal_block(const SparseMatrix<Complex<double>>&,
-                                                      const std::vector<Index>&, const std::vector<Index>&);
+template SparseMatrix<Complex<double>> diagonal_block(const SparseMatrix<Complex<double>>&, const std::vector<Index>&,
+                                                      const std::vector<Index>&);
 
 }  // namespace alcap

@@ -84,8 +84,8 @@ Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry, co
 
 template <class T>
 void optimise_locally(const Mesh& mesh, Connection<T>& c, LiftedResiduals<T>& r) {
-  // Fixing each corner in turn makes all tau equal -K/3 (LTGD 2016, eq. 13); the mean of the three solutions turns corner
-  // i by (tau_ij - tau_ki) / 3.
+  // Fixing each corner in turn makes all tau equal -K/3 (LTGD 2016, eq. 13); the mean of the three solutions turns
+  // corner i by (tau_ij - tau_ki) / 3.
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     const Index h = static_cast<Index>(3 * t);
     const T tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};

@@ -3,8 +3,9 @@
 // connection_global.cpp: the connection that minimises D_T + lambda D_E (LTGD 2016, Sec. 5.3).
 //
 // Iterative refinement: the gradient at the current lifted state is taken in the connection's own precision, the
-// correction it asks for is solved by conjugate gradients in float (src/correction_system.h), which halves the memory traffic
-// that bounds them; where float makes no headway (extreme slivers) the next correction is solved in full precision.
+// correction it asks for is solved by conjugate gradients in float (src/correction_system.h), which halves the memory
+// traffic that bounds them; where float makes no headway (extreme slivers) the next correction is solved in full
+// precision.
 #include <optional>
 #include <string>
 
@@ -122,9 +123,8 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     }
     last = norm;
     const double wanted = 0.5 * tolerance / c.report.residual;
-    c.report.iterations += float_system
-                               ? solve_in(*float_system, gradient, std::max(float_reduction, wanted), left, x)
-                               : solve_in(system, gradient, wanted, left, x);
+    c.report.iterations += float_system ? solve_in(*float_system, gradient, std::max(float_reduction, wanted), left, x)
+                                        : solve_in(system, gradient, wanted, left, x);
     parallel_for(mesh.faces(), [&](std::int64_t t) {
       const Index h = static_cast<Index>(3 * t);
       for (Index k = 0; k < 3; ++k) {

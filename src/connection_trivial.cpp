@@ -3,9 +3,9 @@
 // connection_trivial.cpp: trivial connections with prescribed cones (LTGD 2016, Sec. 5.4; Crane et al. 2010).
 //
 // x per edge is the extra rotation across it. Among all x that give every vertex its curvature (A x = b) and every
-// generator its holonomy (H x = c), the one that minimises sum x^2 / w is x = w (A' mu + H' nu). The mu come from Poisson
-// solves with A w A', the nu from a dense system of one row per generator. A boundary loop is one node, or none when its
-// index is free (mu = 0 there).
+// generator its holonomy (H x = c), the one that minimises sum x^2 / w is x = w (A' mu + H' nu). The mu come from
+// Poisson solves with A w A', the nu from a dense system of one row per generator. A boundary loop is one node, or none
+// when its index is free (mu = 0 there).
 #include <Eigen/Cholesky>
 #include <numeric>
 #include <string>
@@ -39,9 +39,10 @@ class ConeProblem {
       : mesh_(mesh), topology_(topology), weight_(mesh.edges()), defect_(mesh.vertices()) {
     for (Index e = 0; e < mesh.edges(); ++e) {
       const Index h = mesh.halfedge(e), g = mesh.twin(h);
-      weight_[e] = g == none ? 0.0
-                             : std::max(least_weight, 0.5 * (double(geometry.cot(Mesh::prev(h))) +
-                                                             double(geometry.cot(Mesh::prev(g)))));
+      weight_[e] = g == none
+                       ? 0.0
+                       : std::max(least_weight,
+                                  0.5 * (double(geometry.cot(Mesh::prev(h))) + double(geometry.cot(Mesh::prev(g)))));
     }
     for (Index v = 0; v < mesh.vertices(); ++v) defect_[v] = double(geometry.defect(mesh, v));
     loop_of_vertex_.assign(static_cast<std::size_t>(mesh.vertices()), none);
@@ -58,7 +59,8 @@ class ConeProblem {
     factorise(options.solver);
     Vector b = Vector::Zero(nodes_);
     for (Index v = 0; v < mesh_.vertices(); ++v)
-      if (node(v) != none) b[node(v)] += loop_of(v) == none ? 2 * pi<double> * vertex_index[v] - defect_[v] : -defect_[v];
+      if (node(v) != none)
+        b[node(v)] += loop_of(v) == none ? 2 * pi<double> * vertex_index[v] - defect_[v] : -defect_[v];
     if (!loop_index.empty())
       for (std::size_t l = 0; l < loop_index.size(); ++l) {
         const Index at = node(mesh_.tail(topology_.loops[l].halfedges.front()));
@@ -105,9 +107,9 @@ class ConeProblem {
       for (std::size_t l = 0; l < topology_.loops.size(); ++l) node_of_loop[l] = take(topology_.loops[l].component);
     for (Index v = 0; v < mesh_.vertices(); ++v) {
       if (!mesh_.referenced(v)) continue;
-      node_of_vertex_[static_cast<std::size_t>(v)] =
-          loop_of(v) == none ? take(topology_.vertex_component[static_cast<std::size_t>(v)])
-                             : node_of_loop[static_cast<std::size_t>(loop_of(v))];
+      node_of_vertex_[static_cast<std::size_t>(v)] = loop_of(v) == none
+                                                         ? take(topology_.vertex_component[static_cast<std::size_t>(v)])
+                                                         : node_of_loop[static_cast<std::size_t>(loop_of(v))];
     }
   }
 
@@ -173,7 +175,8 @@ class ConeProblem {
       }
       Z.col(k) = z - flow(potentials(b));
     }
-    // Holonomy = Levi-Civita's minus the sum of x across; wanted is a multiple of 1/n, or what was asked, modulo a turn.
+    // Holonomy = Levi-Civita's minus the sum of x across; wanted is a multiple of 1/n, or what was asked, modulo a
+    // turn.
     Eigen::MatrixXd gram(count, count);
     Vector missing(count);
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -268,7 +271,8 @@ T holonomy(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& c
   T sum = 0;
   for (const Index h : strip.halfedges) {
     const Index g = mesh.twin(h);
-    if (g == none) throw OptionError("strip", std::to_string(h), "this halfedge lies on the boundary and cannot be crossed");
+    if (g == none)
+      throw OptionError("strip", std::to_string(h), "this halfedge lies on the boundary and cannot be crossed");
     sum += pi<T> + connection.edge_to_face(geometry, h) - connection.edge_to_face(geometry, g);
   }
   return wrap(sum);
@@ -308,15 +312,14 @@ Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::
   for (Index v = 0; v < mesh.vertices(); ++v) curvature[v] = static_cast<T>(2 * pi<double> * vertex_index[v]);
 
   detail::LiftedResiduals<T> residuals;
-  Connection<T> c =
-      detail::build_connection<T>(mesh, geometry, curvature, alpha, PolarCenter::incenter, residuals);
+  Connection<T> c = detail::build_connection<T>(mesh, geometry, curvature, alpha, PolarCenter::incenter, residuals);
   detail::optimise_locally(mesh, c, residuals);
   detail::optimise_globally(mesh, geometry, options.global, true, c, residuals);
   c.kind = ConnectionKind::trivial;
   return c;
 }
 
-#define ALCAP_INSTANTIATE(T)                                                                                    \
+#define ALCAP_INSTANTIATE(T)                                                                                        \
   template Connection<T> trivial(const Mesh&, const Geometry<T>&, const std::vector<Cone>&, const TrivialOptions&); \
   template T holonomy(const Mesh&, const Geometry<T>&, const Connection<T>&, const Loop&);
 ALCAP_INSTANTIATE(float)

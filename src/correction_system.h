@@ -10,9 +10,9 @@
 // (kernel: one gauge angle per vertex), and its condition does not grow with the mesh. Right-hand sides and search
 // directions are orthogonal to the kernel, so conjugate gradients need no care for it.
 //
-// The preconditioner is the diagonal, except on badly shaped faces: a sliver's Whitney matrix ties its three corners and
-// three edges together with a stiffness of 1 / (smallest angle), which a diagonal cannot see. Their six unknowns are
-// solved together (additive Schwarz), which keeps the iterations of scans and CAD near those of clean meshes.
+// The preconditioner is the diagonal, except on badly shaped faces: a sliver's Whitney matrix ties its three corners
+// and three edges together with a stiffness of 1 / (smallest angle), which a diagonal cannot see. Their six unknowns
+// are solved together (additive Schwarz), which keeps the iterations of scans and CAD near those of clean meshes.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -162,13 +162,15 @@ class CorrectionSystem {
       if (cot_[3 * t] + cot_[3 * t + 1] + cot_[3 * t + 2] > bad_cotangent_sum) bad_.push_back({t, {}, {}});
     std::vector<Index> place(bad_.empty() ? 0 : static_cast<std::size_t>(mesh_.faces()), none);
     for (std::size_t b = 0; b < bad_.size(); ++b) place[static_cast<std::size_t>(bad_[b].face)] = static_cast<Index>(b);
-    parallel_for(static_cast<std::int64_t>(bad_.size()), [&](std::int64_t b) { invert(bad_[static_cast<std::size_t>(b)]); });
+    parallel_for(static_cast<std::int64_t>(bad_.size()),
+                 [&](std::int64_t b) { invert(bad_[static_cast<std::size_t>(b)]); });
     for (std::size_t b = 0; b < bad_.size(); ++b)
       for (Index k = 0; k < 3; ++k) {
         const Index h = 3 * bad_[b].face + k, g = mesh_.twin(h);
         const Index other = g == none ? none : place[static_cast<std::size_t>(g / 3)];
         if (other != none && other < static_cast<Index>(b)) continue;  // listed by the other face
-        bad_edges_.push_back({mesh_.edge(h), {static_cast<Index>(3 * b) + k, other == none ? none : 3 * other + g % 3}});
+        bad_edges_.push_back(
+            {mesh_.edge(h), {static_cast<Index>(3 * b) + k, other == none ? none : 3 * other + g % 3}});
       }
   }
 
@@ -201,9 +203,7 @@ class CorrectionSystem {
     f.inverse = A.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity()).template cast<S>();
   }
 
-  [[nodiscard]] S own_mass(Index h) const {
-    return (cot_[h] + cot_[Mesh::next(h)] + 3 * cot_[Mesh::prev(h)]) / 12;
-  }
+  [[nodiscard]] S own_mass(Index h) const { return (cot_[h] + cot_[Mesh::next(h)] + 3 * cot_[Mesh::prev(h)]) / 12; }
 
   // From tau and the jump forces of a face's halfedges to the forces on its corners; returns X' out.X.
   double finish_face(Index h, const S (&tau)[3], const S (&jump_tail)[3], const S (&jump_tip)[3], const S* X,

@@ -39,9 +39,8 @@ TriangleEntries<T> entries_of_triangles(const Mesh& mesh, const Geometry<T>& geo
   const detail::TriangleOutputs<T> out{.stiffness_diagonal = entries.stiffness_diagonal.get(),
                                        .stiffness_off = entries.stiffness_off.get(),
                                        .mass_off = entries.mass_off.get()};
-  parallel_ranges(mesh.faces(), sequential_below, [&](std::int64_t begin, std::int64_t end) {
-    detail::triangle_entries<T>(begin, end, in, out);
-  });
+  parallel_ranges(mesh.faces(), sequential_below,
+                  [&](std::int64_t begin, std::int64_t end) { detail::triangle_entries<T>(begin, end, in, out); });
   return entries;
 }
 
@@ -144,7 +143,7 @@ FieldEnergies field_energies(const Mesh& mesh, const Geometry<double>& geometry,
                                                const Connection<T>&, int);                                           \
   template SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh&, const HermitianPattern&, const Geometry<T>&, \
                                                            const Connection<T>&, int);                               \
-  template void apply_energy_family(const Mesh&, const HermitianPattern&, const Geometry<T>&, const Connection<T>&, \
+  template void apply_energy_family(const Mesh&, const HermitianPattern&, const Geometry<T>&, const Connection<T>&,  \
                                     int, T, SparseMatrix<Complex<T>>&);
 ALCAP_INSTANTIATE(float)
 ALCAP_INSTANTIATE(double)

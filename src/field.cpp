@@ -73,8 +73,8 @@ Field<T> from_vectors(int n, const Positions<T>& vectors, std::shared_ptr<const 
 }
 
 template <class T>
-Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                  const Field<T>& field, std::shared_ptr<const Frames<T>> face_frames) {
+Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection, const Field<T>& field,
+                  std::shared_ptr<const Frames<T>> face_frames) {
   Field<T> out{field.n, ComplexVectorX<T>(mesh.faces()), std::move(face_frames)};
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     const FaceField<T> face = face_field(mesh, geometry, connection, field.n, field.u, static_cast<Index>(t));
@@ -83,11 +83,11 @@ Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connectio
   return out;
 }
 
-#define ALCAP_INSTANTIATE(T)                                                                             \
-  template struct Field<T>;                                                                              \
-  template Field<T> normalised(Field<T>);                                                                \
-  template Field<T> from_vectors(int, const Positions<T>&, std::shared_ptr<const Frames<T>>);            \
-  template Field<T> at_faces(const Mesh&, const Geometry<T>&, const Connection<T>&, const Field<T>&,     \
+#define ALCAP_INSTANTIATE(T)                                                                         \
+  template struct Field<T>;                                                                          \
+  template Field<T> normalised(Field<T>);                                                            \
+  template Field<T> from_vectors(int, const Positions<T>&, std::shared_ptr<const Frames<T>>);        \
+  template Field<T> at_faces(const Mesh&, const Geometry<T>&, const Connection<T>&, const Field<T>&, \
                              std::shared_ptr<const Frames<T>>);
 ALCAP_INSTANTIATE(float)
 ALCAP_INSTANTIATE(double)

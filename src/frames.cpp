@@ -45,8 +45,7 @@ Frames<T> vertex_frames(const Mesh& mesh, const Positions<T>& V, const Connectio
     Row<T> normal = Row<T>::Zero();
     T ring_area = 0;
     mesh.for_each_outgoing(v, [&](Index h) {
-      const Row<T> face_normal =
-          (V.row(mesh.tip(h)) - p).cross(V.row(mesh.tail(Mesh::prev(h))) - p);
+      const Row<T> face_normal = (V.row(mesh.tip(h)) - p).cross(V.row(mesh.tail(Mesh::prev(h))) - p);
       normal += face_normal;
       ring_area += face_normal.norm();
     });

@@ -86,7 +86,8 @@ Geometry<T> Geometry<T>::from_lengths(const Mesh& mesh, const VectorX<T>& length
   });
   for (Index t = 0; t < mesh.faces(); ++t)
     if (!(g.area_[t] > T(0)))
-      throw MeshError("face " + std::to_string(t) + " has edge lengths that make no triangle; every two sides must be longer than the third",
+      throw MeshError("face " + std::to_string(t) +
+                          " has edge lengths that make no triangle; every two sides must be longer than the third",
                       Defect::zero_area_face, Element::face, 1, {t});
   g.sum_angles(mesh);
   return g;

@@ -177,7 +177,9 @@ Mesh::Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count) {
         }
         return here;
       },
-      [](const Tally& a, const Tally& b) { return Tally{a.manifold && b.manifold, a.referenced + b.referenced}; });
+      [](const Tally& a, const Tally& b) {
+        return Tally{a.manifold && b.manifold, a.referenced + b.referenced};
+      });
   referenced_ = tally.referenced;
 
   // Two faces glued along all three edges are the same triangle twice.

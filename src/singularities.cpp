@@ -56,7 +56,8 @@ std::optional<Barycentric> find_zero(const FaceField<double>& f) {
   double scale = 0;
   for (const Complex<double>& u : f.u) scale = std::max(scale, std::abs(u));
   if (scale == 0) return std::nullopt;
-  // A lattice of starts, the middle first: a field of index one in the face is nearly linear there and the first succeeds.
+  // A lattice of starts, the middle first: a field of index one in the face is nearly linear there and the first
+  // succeeds.
   constexpr int n = 6;
   std::vector<Barycentric> starts{{1.0 / 3, 1.0 / 3, 1.0 / 3}};
   for (int i = 0; i < n; ++i)
@@ -104,11 +105,10 @@ std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<dou
         const FieldValue<double> at = f.at(s.barycentric);
         if (s.index > 0) {
           const double angle = std::arg(at.div_curl());
-          s.orientation = field.n == 1 ? angle
-                                       : positive_remainder(angle / (field.n - 1), 2 * pi<double> / (field.n - 1));
-        } else {
           s.orientation =
-              positive_remainder(std::arg(at.reflected()) / (field.n + 1), 2 * pi<double> / (field.n + 1));
+              field.n == 1 ? angle : positive_remainder(angle / (field.n - 1), 2 * pi<double> / (field.n - 1));
+        } else {
+          s.orientation = positive_remainder(std::arg(at.reflected()) / (field.n + 1), 2 * pi<double> / (field.n + 1));
         }
       },
       16);
@@ -130,8 +130,7 @@ std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geome
     for (std::size_t k = 0; k < loop.halfedges.size(); ++k) {
       const Index h = loop.halfedges[k], next = loop.halfedges[(k + 1) % loop.halfedges.size()];
       const double corner = pi<double> - geometry.angle_sum(mesh.tip(h));
-      const double tangent =
-          corner + wrap(connection.rho_start(mesh, next) - connection.rho_end(mesh, h) - corner);
+      const double tangent = corner + wrap(connection.rho_start(mesh, next) - connection.rho_end(mesh, h) - corner);
       turns += turn_along(mesh, connection, field, h) - field.n * (connection.eps_along(mesh, h) + tangent);
     }
     sums[static_cast<std::size_t>(loop.component)].expected += to_count(turns);

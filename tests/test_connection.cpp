@@ -187,8 +187,10 @@ TEST_CASE("scaling a mesh changes nothing, except for the metric length factor")
     CHECK((d.K - c.K).cwiseAbs().maxCoeff() < 1e-8);
     CHECK(d.report.D_E == doctest::Approx(c.report.D_E).epsilon(1e-9));
     const auto m = globally_optimal(s.mesh, s.geometry, {.length_factor = LengthFactor::metric});
-    CHECK(std::abs(m.report.D_T / globally_optimal(reference.mesh, reference.geometry,
-                                                   {.length_factor = LengthFactor::metric}).report.D_T - 1) > 1e-4);
+    CHECK(std::abs(m.report.D_T /
+                       globally_optimal(reference.mesh, reference.geometry, {.length_factor = LengthFactor::metric})
+                           .report.D_T -
+                   1) > 1e-4);
   }
 }
 
@@ -231,8 +233,7 @@ TEST_CASE("thread count changes no bit") {
   const Case s(jittered_sphere(5, 0.2, 2));
   Connection<double> c[3];
   const int threads[3] = {1, 2, 4};
-  for (int k = 0; k < 3; ++k)
-    run_with_threads(threads[k], [&] { c[k] = globally_optimal(s.mesh, s.geometry); });
+  for (int k = 0; k < 3; ++k) run_with_threads(threads[k], [&] { c[k] = globally_optimal(s.mesh, s.geometry); });
   for (int k = 1; k < 3; ++k) {
     CHECK(c[k].rho == c[0].rho);
     CHECK(c[k].rho_e == c[0].rho_e);

@@ -94,7 +94,8 @@ TEST_CASE("S and M are Hermitian and positive (semi)definite on slivers, and so 
         apply_energy_family(s.mesh, s.pattern, s.geometry, s.connection, n, e, A);
         const Eigen::MatrixXcd dense(A);
         CHECK((dense - dense.adjoint()).norm() == 0.0);
-        const auto values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd>(dense, Eigen::EigenvaluesOnly).eigenvalues();
+        const auto values =
+            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd>(dense, Eigen::EigenvaluesOnly).eigenvalues();
         CHECK(values[0] > -1e-12 * values[values.size() - 1]);
       }
     }
@@ -107,10 +108,9 @@ TEST_CASE("the sphere's spectrum has multiplicities 2l + 1 around l(l+1) - n^2, 
     for (int level = 1; level <= 2; ++level) {
       const Case s(icosphere(level));
       const auto [S, M] = stiffness_and_mass(s.mesh, s.pattern, s.geometry, s.connection, n);
-      const Eigen::VectorXd values =
-          Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXcd>(Eigen::MatrixXcd(S), Eigen::MatrixXcd(M),
-                                                                     Eigen::EigenvaluesOnly)
-              .eigenvalues();
+      const Eigen::VectorXd values = Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXcd>(
+                                         Eigen::MatrixXcd(S), Eigen::MatrixXcd(M), Eigen::EigenvaluesOnly)
+                                         .eigenvalues();
       Eigen::Index k = 0;
       for (int l = n; l <= n + 1; ++l)
         for (int m = 0; m < 2 * l + 1; ++m, ++k)
@@ -130,8 +130,7 @@ TEST_CASE("the real view acts like the complex matrix") {
   const ComplexVectorX<double> Su = S * u;
   const Eigen::Map<const Eigen::VectorXd> flat(reinterpret_cast<const double*>(u.data()), 2 * u.size());
   const Eigen::VectorXd product = real_view(S) * flat;
-  for (Index v = 0; v < s.mesh.vertices(); ++v)
-    CHECK(std::abs(C(product[2 * v], product[2 * v + 1]) - Su[v]) < 1e-13);
+  for (Index v = 0; v < s.mesh.vertices(); ++v) CHECK(std::abs(C(product[2 * v], product[2 * v + 1]) - Su[v]) < 1e-13);
 }
 
 TEST_CASE("turning the vertex frames conjugates the matrices") {
@@ -139,7 +138,8 @@ TEST_CASE("turning the vertex frames conjugates the matrices") {
   const int n = 3;
   const auto before = stiffness_and_mass(s.mesh, s.pattern, s.geometry, s.connection, n);
   const auto u = random_field(s.mesh.vertices(), 9);
-  // Turning the frame of v by g adds -g to rho_{v -> e} and rho_{v -> t}; rho_ij = rho_{vi->e} - rho_{vj->e} + eps follows.
+  // Turning the frame of v by g adds -g to rho_{v -> e} and rho_{v -> t}; rho_ij = rho_{vi->e} - rho_{vj->e} + eps
+  // follows.
   detail::Random random(4);
   Eigen::VectorXd turn(s.mesh.vertices());
   for (double& g : turn) g = random.uniform(-3, 3);

@@ -90,10 +90,9 @@ TEST_CASE("flat torus: lambda = 0 and a parallel field") {
 }
 
 TEST_CASE("Poincare-Hopf: indices sum to n chi on closed surfaces and to the boundary's count on open ones") {
-  for (const Surface& surface :
-       {icosphere(2), jittered_sphere(3, 0.2, 6), torus_random_diagonals(20, 12, 1, 0.4, 5), genus_surface(2, 2),
-        genus_surface(3, 2), cylinder(16, 8), disk(6), noisy_scan(3, 0.1, 3), cad_like(24, 2), tetrahedron(), cube(),
-        single_triangle()}) {
+  for (const Surface& surface : {icosphere(2), jittered_sphere(3, 0.2, 6), torus_random_diagonals(20, 12, 1, 0.4, 5),
+                                 genus_surface(2, 2), genus_surface(3, 2), cylinder(16, 8), disk(6),
+                                 noisy_scan(3, 0.1, 3), cad_like(24, 2), tetrahedron(), cube(), single_triangle()}) {
     const Case s(surface);
     for (const int n : {1, 2, 3, 4, 6}) {
       const auto result = s.smoothest(n);
@@ -108,10 +107,12 @@ TEST_CASE("Poincare-Hopf: indices sum to n chi on closed surfaces and to the bou
 TEST_CASE("a disk's boundary count by hand: the constant field turns -n times against the tangent") {
   const Case s(disk(6));
   Field<double> field{1, ComplexVectorX<double>(s.mesh.vertices()), s.frames};
-  const Positions<double> east = Positions<double>::Constant(s.mesh.vertices(), 3, 0).rowwise() + Eigen::RowVector3d(1, 0, 0);
+  const Positions<double> east =
+      Positions<double>::Constant(s.mesh.vertices(), 3, 0).rowwise() + Eigen::RowVector3d(1, 0, 0);
   for (const int n : {1, 2, 4}) {
     field = from_vectors<double>(n, east, s.frames);
-    const auto sums = index_sums(s.mesh, s.geometry, s.connection, field, face_indices(s.mesh, s.connection, field), s.topology);
+    const auto sums =
+        index_sums(s.mesh, s.geometry, s.connection, field, face_indices(s.mesh, s.connection, field), s.topology);
     CHECK(sums[0].sum == 0);
     CHECK(sums[0].expected == 0);
   }
@@ -174,7 +175,8 @@ TEST_CASE("the smoothest field turns with the mesh and does not see its scale") 
     // Fix the free global phase at one vertex.
     Index v = 0;
     b.field.u.cwiseAbs().maxCoeff(&v);
-    const Complex<double> z = m.frames->component(v, a.field.frames->vector(v, a.field.branch(v)) * rotation.transpose());
+    const Complex<double> z =
+        m.frames->component(v, a.field.frames->vector(v, a.field.branch(v)) * rotation.transpose());
     b.field.u *= std::polar(1.0, 4 * std::arg(z) - std::arg(b.field.u[v]));
     CHECK(worst_angle(a.field, b.field, rotation) < 1e-4);
   }
@@ -250,7 +252,8 @@ TEST_CASE("two threads may run two designs at once, with the results of one") {
   const Case a(bumpy_sphere(3, 0.3, 3)), b(torus(20, 10, 1, 0.4));
   const auto alone_a = a.smoothest(4), alone_b = b.smoothest(2);
   SmoothestResult together[2];
-  parallel_for(2, [&](std::int64_t k) { together[k] = k == 0 ? a.smoothest(4) : b.smoothest(2); }, 1);
+  parallel_for(
+      2, [&](std::int64_t k) { together[k] = k == 0 ? a.smoothest(4) : b.smoothest(2); }, 1);
   CHECK((together[0].field.u - alone_a.field.u).cwiseAbs().maxCoeff() < 1e-10 * alone_a.field.u.cwiseAbs().maxCoeff());
   CHECK(std::abs(together[1].components[0].lambda - alone_b.components[0].lambda) < 1e-10);
 }
@@ -259,6 +262,7 @@ TEST_CASE("bad options are refused") {
   const Case s(tetrahedron());
   CHECK_THROWS_AS((void)s.smoothest(0), OptionError);
   CHECK_THROWS_AS((void)s.smoothest(1, 2.0), OptionError);
-  CHECK_THROWS_AS((void)smoothest_field(s.mesh, s.geometry, s.connection, s.frames, {.n = 1, .eigen = {.solver = "nope"}}),
-                  OptionError);
+  CHECK_THROWS_AS(
+      (void)smoothest_field(s.mesh, s.geometry, s.connection, s.frames, {.n = 1, .eigen = {.solver = "nope"}}),
+      OptionError);
 }

@@ -16,7 +16,10 @@ struct Case {
   Geometry<double> geometry;
   Topology topology;
   explicit Case(Surface s)
-      : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V), topology(find_topology(mesh)) {}
+      : surface(std::move(s)),
+        mesh(surface.F, surface.V.rows()),
+        geometry(mesh, surface.V),
+        topology(find_topology(mesh)) {}
 
   // Whether face t touches one of the cones.
   [[nodiscard]] bool touches(Index t, const std::vector<Cone>& cones) const {
@@ -30,9 +33,7 @@ struct Case {
 // Total curvature that the connection puts around an interior vertex: 2 pi minus the angles seen.
 double curvature_at(const Case& s, const Connection<double>& c, Index v) {
   double sum = 2 * pi<double>;
-  s.mesh.for_each_outgoing(v, [&](Index h) {
-    sum -= s.geometry.angle(h) + c.alpha[h] - c.alpha[Mesh::prev(h)];
-  });
+  s.mesh.for_each_outgoing(v, [&](Index h) { sum -= s.geometry.angle(h) + c.alpha[h] - c.alpha[Mesh::prev(h)]; });
   return sum;
 }
 
@@ -139,7 +140,8 @@ TEST_CASE("a trivial connection without cones has a parallel field") {
   const auto result = smoothest_field(s.mesh, s.geometry, c, nullptr, {.n = 1});
   CHECK(result.components[0].converged);
   CHECK(std::abs(result.components[0].lambda) < 1e-8 / s.geometry.total_area());
-  CHECK(result.field.u.cwiseAbs().maxCoeff() / result.field.u.cwiseAbs().minCoeff() == doctest::Approx(1).epsilon(1e-6));
+  CHECK(result.field.u.cwiseAbs().maxCoeff() / result.field.u.cwiseAbs().minCoeff() ==
+        doctest::Approx(1).epsilon(1e-6));
 }
 
 TEST_CASE("boundary loops take an index, chosen or prescribed") {
@@ -155,9 +157,8 @@ TEST_CASE("boundary loops take an index, chosen or prescribed") {
     double turning = 0;
     for (const Index h : s.topology.loops[l].halfedges) {
       turning += pi<double>;
-      s.mesh.for_each_outgoing(s.mesh.tail(h), [&](Index g) {
-        turning -= s.geometry.angle(g) + d.alpha[g] - d.alpha[Mesh::prev(g)];
-      });
+      s.mesh.for_each_outgoing(s.mesh.tail(h),
+                               [&](Index g) { turning -= s.geometry.angle(g) + d.alpha[g] - d.alpha[Mesh::prev(g)]; });
     }
     CHECK(turning == doctest::Approx(2 * pi<double> * -0.25).epsilon(1e-8));
   }

@@ -11,8 +11,8 @@
 
 namespace alcap {
 
-/// Pattern of a #V x #V matrix with an entry per vertex and two per edge, column-compressed, rows sorted, both triangles.
-/// Vertices that no face uses keep a diagonal entry.
+/// Pattern of a #V x #V matrix with an entry per vertex and two per edge, column-compressed, rows sorted, both
+/// triangles. Vertices that no face uses keep a diagonal entry.
 class HermitianPattern {
  public:
   HermitianPattern() = default;
@@ -40,8 +40,8 @@ class HermitianPattern {
 template <class T>
 [[nodiscard]] SparseMatrix<T> real_view(const SparseMatrix<Complex<T>>& A);
 
-/// The diagonal block of a block-diagonal A that belongs to `vertices`; local[v] is the place of v in its block. Costs the
-/// block's own entries.
+/// The diagonal block of a block-diagonal A that belongs to `vertices`; local[v] is the place of v in its block. Costs
+/// the block's own entries.
 template <class T>
 [[nodiscard]] SparseMatrix<Complex<T>> diagonal_block(const SparseMatrix<Complex<T>>& A,
                                                       const std::vector<Index>& vertices,

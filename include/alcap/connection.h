@@ -43,8 +43,8 @@ struct GlobalOptions {
   /// faces (an n-field ignores small bumps), larger follows every detail. 1 weighs both as the paper does.
   double detail = 1.0;
   LengthFactor length_factor = LengthFactor::mean_edge;  // the one choice that is neutral to scale and to edge density
-  /// Cap of tan(angle opposite the edge), also used at right and obtuse angles. 10 is a corner of 84 degrees; larger caps
-  /// change nothing visible and slow the solve several times.
+  /// Cap of tan(angle opposite the edge), also used at right and obtuse angles. 10 is a corner of 84 degrees; larger
+  /// caps change nothing visible and slow the solve several times.
   double tan_cap = 10.0;
   /// Relative residual of the conjugate gradients. 1e-10 leaves K right to ten digits; float stops at its own rounding.
   double tolerance = 1e-10;
@@ -54,11 +54,11 @@ struct GlobalOptions {
 /// How a connection was found and how far it is from the Levi-Civita one.
 struct ConnectionReport {
   bool converged = true;
-  int iterations = 0;      ///< conjugate gradient iterations, 0 when none were needed
-  double residual = 0;     ///< relative residual at the end
-  double D_T = 0;          ///< deviation inside faces, sum of tau' W tau (LTGD 2016, Sec. 5.3)
-  double D_E = 0;          ///< deviation between edges and faces, with its length factor, without lambda
-  std::string message;     ///< empty when all is well
+  int iterations = 0;   ///< conjugate gradient iterations, 0 when none were needed
+  double residual = 0;  ///< relative residual at the end
+  double D_T = 0;       ///< deviation inside faces, sum of tau' W tau (LTGD 2016, Sec. 5.3)
+  double D_E = 0;       ///< deviation between edges and faces, with its length factor, without lambda
+  std::string message;  ///< empty when all is well
 };
 
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
@@ -100,8 +100,8 @@ struct Connection {
   }
 };
 
-/// Geodesic polar map (LTGD 2016, Sec. 5.1; Zhang, Mischaikow, Turk 2006; Knoeppel et al. 2013): corner angles scaled to
-/// 2 pi around interior vertices, kept at boundary vertices.
+/// Geodesic polar map (LTGD 2016, Sec. 5.1; Zhang, Mischaikow, Turk 2006; Knoeppel et al. 2013): corner angles scaled
+/// to 2 pi around interior vertices, kept at boundary vertices.
 template <class T>
 [[nodiscard]] Connection<T> polar(const Mesh& mesh, const Geometry<T>& geometry, const PolarOptions& options = {});
 
@@ -115,8 +115,8 @@ template <class T>
 [[nodiscard]] Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry,
                                              const GlobalOptions& options = {});
 
-/// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a cross
-/// field's quad mesh).
+/// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a
+/// cross field's quad mesh).
 struct Cone {
   Index vertex = none;
   double index = 0;
@@ -134,10 +134,10 @@ struct TrivialOptions {
   std::string solver = "auto";  // backend of the Poisson solve
 };
 
-/// Trivial connection with prescribed cones (LTGD 2016, Sec. 5.4; Crane, Desbrun, Schroeder 2010): flat but for the cone
-/// vertices. K is zero, to rounding, in every face that touches no cone. One Poisson solve, plus one right-hand side per
-/// generator. The cones of a closed component must sum to its Euler characteristic; with boundary, cones and loops must.
-/// Cones lie at interior vertices. Throws OptionError naming the vertex, the sum and what is missing.
+/// Trivial connection with prescribed cones (LTGD 2016, Sec. 5.4; Crane, Desbrun, Schroeder 2010): flat but for the
+/// cone vertices. K is zero, to rounding, in every face that touches no cone. One Poisson solve, plus one right-hand
+/// side per generator. The cones of a closed component must sum to its Euler characteristic; with boundary, cones and
+/// loops must. Cones lie at interior vertices. Throws OptionError naming the vertex, the sum and what is missing.
 template <class T>
 [[nodiscard]] Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::vector<Cone>& cones,
                                     const TrivialOptions& options = {});
@@ -154,9 +154,9 @@ void measure_deviation(const Mesh& mesh, const Geometry<T>& geometry, const Glob
 
 namespace detail {
 
-/// The lifted state that every construction starts from and the optimisation corrects. Per halfedge h = i -> j of face t:
-/// start = rho_{vi->t} - rho_{vi->e} - rho_{e->t}, end = rho_{vj->t} - rho_{vj->e} - rho_{e->t};
-/// then tau = eps - start + end, without any modulus.
+/// The lifted state that every construction starts from and the optimisation corrects. Per halfedge h = i -> j of face
+/// t: start = rho_{vi->t} - rho_{vi->e} - rho_{e->t}, end = rho_{vj->t} - rho_{vj->e} - rho_{e->t}; then tau = eps -
+/// start + end, without any modulus.
 template <class T>
 struct LiftedResiduals {
   VectorX<T> start, end;

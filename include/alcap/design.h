@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// design.h: fields from energies (LTGD 2016, Sec. 7): the smallest eigenvector of the connection Laplacian, one component
-// at a time.
+// design.h: fields from energies (LTGD 2016, Sec. 7): the smallest eigenvector of the connection Laplacian, one
+// component at a time.
 //
 //   auto result = alcap::smoothest_field(mesh, geometry, connection, frames, {.n = 4});
 //   result.field.u, result.components[0].lambda ...
@@ -17,7 +17,7 @@
 namespace alcap {
 
 struct SmoothestOptions {
-  int n = 1;              // 1 vector field, 2 line field, 4 cross field
+  int n = 1;  // 1 vector field, 2 line field, 4 cross field
   /// Knoeppel et al. 2013, energy family E_s = (1+s) E_H + (1-s) E_A, s in [-1, 1]. 0 is the Dirichlet energy.
   double s = 0.0;
   EigenOptions eigen = {};  // tolerance, backend

@@ -46,6 +46,7 @@ struct FieldEnergies {
   double dirichlet = 0, antiholomorphic = 0, holomorphic = 0;
 };
 [[nodiscard]] FieldEnergies field_energies(const Mesh& mesh, const Geometry<double>& geometry,
-                                           const Connection<double>& connection, int n, const ComplexVectorX<double>& u);
+                                           const Connection<double>& connection, int n,
+                                           const ComplexVectorX<double>& u);
 
 }  // namespace alcap

@@ -55,7 +55,8 @@ enum class Element { vertex, edge, face };
 /// A mesh cannot be used. Names the offending elements (the first few; `count()` says how many there are).
 class MeshError : public Error {
  public:
-  MeshError(const std::string& what, Defect defect, Element element, std::int64_t count, std::vector<std::int32_t> first)
+  MeshError(const std::string& what, Defect defect, Element element, std::int64_t count,
+            std::vector<std::int32_t> first)
       : Error(what), defect_(defect), element_(element), count_(count), first_(std::move(first)) {}
   [[nodiscard]] Defect defect() const { return defect_; }
   [[nodiscard]] Element element() const { return element_; }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // field.h: the result of every design: an n-vector field, one complex number per vertex together with the frames that
-// give it meaning and n. u[v] = z^n where z is any of the n branches in the frame of vertex v: a vector field for n = 1,
-// a line field for n = 2, a cross field for n = 4. Zero at vertices that no face uses.
+// give it meaning and n. u[v] = z^n where z is any of the n branches in the frame of vertex v: a vector field for n =
+// 1, a line field for n = 2, a cross field for n = 4. Zero at vertices that no face uses.
 //
 //   Eigen::MatrixXd d = field.vectors(0);          // #V x 3, the first branch
 //   auto unit = alcap::normalised(field);          // n-direction field (n-RoSy)
@@ -36,8 +36,8 @@ template <class T>
 template <class T>
 [[nodiscard]] Field<T> from_vectors(int n, const Positions<T>& vectors, std::shared_ptr<const Frames<T>> frames);
 
-/// The field at the barycenters of the faces in face frames (#F): the closed-form basis of LTGD 2016, Sec. 4.3. `frames` of
-/// the result are those of the faces.
+/// The field at the barycenters of the faces in face frames (#F): the closed-form basis of LTGD 2016, Sec. 4.3.
+/// `frames` of the result are those of the faces.
 template <class T>
 [[nodiscard]] Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
                                 const Field<T>& field, std::shared_ptr<const Frames<T>> face_frames);

@@ -27,9 +27,9 @@ struct Frames {
   [[nodiscard]] Complex<T> component(Index element, const Eigen::Matrix<T, 1, 3>& w) const;
 };
 
-/// Frames of the vertices (#V rows). The normal is the area-weighted mean of the incident faces' normals; X is the axis that
-/// makes the connection's edge directions rho_{v->e} fit the edges' projections best (least squares over the ring), so
-/// turning the gauge of a vertex turns X with it and no vector in space changes.
+/// Frames of the vertices (#V rows). The normal is the area-weighted mean of the incident faces' normals; X is the axis
+/// that makes the connection's edge directions rho_{v->e} fit the edges' projections best (least squares over the
+/// ring), so turning the gauge of a vertex turns X with it and no vector in space changes.
 template <class T>
 [[nodiscard]] Frames<T> vertex_frames(const Mesh& mesh, const Positions<T>& V, const Connection<T>& connection);
 

@@ -22,8 +22,8 @@ class Geometry {
   /// OptionError when V has not mesh.vertices() rows.
   Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<T>>& V);
 
-  /// From edge lengths (#E, in the order of mesh edges): an intrinsic surface, such as a flat torus, that need not lie in
-  /// space. Throws MeshError (zero_area_face) when the triangle inequality fails.
+  /// From edge lengths (#E, in the order of mesh edges): an intrinsic surface, such as a flat torus, that need not lie
+  /// in space. Throws MeshError (zero_area_face) when the triangle inequality fails.
   [[nodiscard]] static Geometry from_lengths(const Mesh& mesh, const VectorX<T>& lengths);
 
   [[nodiscard]] T length(Index e) const { return length_[e]; }

@@ -52,7 +52,8 @@ class Mesh {
   /// The first halfedge that leaves v: the smallest at an interior vertex, the boundary halfedge at a boundary vertex
   /// (so that walking counter-clockwise meets every corner); `none` when no face uses v.
   [[nodiscard]] Index first(Index v) const { return first_[static_cast<std::size_t>(v)]; }
-  /// The next halfedge counter-clockwise around the tail of h, `none` after the last: at a boundary, or back at first(v).
+  /// The next halfedge counter-clockwise around the tail of h, `none` after the last: at a boundary, or back at
+  /// first(v).
   [[nodiscard]] Index next_around(Index h, Index v) const {
     const Index n = twin(prev(h));
     return n == first(v) ? none : n;

@@ -58,8 +58,7 @@ template <class T, class ChunkValue, class Join>
   parallel_for(
       chunks,
       [&](std::int64_t c) {
-        partial[static_cast<std::size_t>(c)] =
-            chunk_value(c * reduction_chunk, std::min(n, (c + 1) * reduction_chunk));
+        partial[static_cast<std::size_t>(c)] = chunk_value(c * reduction_chunk, std::min(n, (c + 1) * reduction_chunk));
       },
       1);
   T total = init;
@@ -114,8 +113,8 @@ Int parallel_exclusive_scan(Int* counts, std::int64_t n) {
   return total;
 }
 
-/// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed; more threads than
-/// the machine has need a tbb::global_control of the caller's.
+/// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed; more threads
+/// than the machine has need a tbb::global_control of the caller's.
 template <class Body>
 void run_with_threads(int threads, Body&& body) {
   if (threads <= 0) {

@@ -2,8 +2,8 @@
 //
 // singularities.h: where an n-field vanishes: the index of every face, the zero inside it and its orientation.
 //
-// The index of a face is (1/2pi) [sum over its halfedges of wrap(arg u_j - arg u_i + n rho_ij) + n K], an integer count of
-// n-ths (LTGD 2016, Sec. 4; math of Crane et al. 2010). On a closed surface the counts sum to n chi (Poincare-Hopf).
+// The index of a face is (1/2pi) [sum over its halfedges of wrap(arg u_j - arg u_i + n rho_ij) + n K], an integer count
+// of n-ths (LTGD 2016, Sec. 4; math of Crane et al. 2010). On a closed surface the counts sum to n chi (Poincare-Hopf).
 #pragma once
 
 #include <array>
@@ -37,8 +37,8 @@ struct IndexSum {
                                                           const Connection<double>& connection,
                                                           const Field<double>& field);
 
-/// Poincare-Hopf, one entry per component. On components with boundary the expected value uses the field's own turns along
-/// the loops, computed from boundary data alone.
+/// Poincare-Hopf, one entry per component. On components with boundary the expected value uses the field's own turns
+/// along the loops, computed from boundary data alone.
 [[nodiscard]] std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,
                                                const Connection<double>& connection, const Field<double>& field,
                                                const std::vector<int>& indices, const Topology& topology);
