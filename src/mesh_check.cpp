@@ -36,8 +36,9 @@ std::string names(const Found& found, Element element) {
   const std::size_t step = element == Element::edge ? 2 : 1;
   for (std::size_t k = 0; k < found.first.size(); k += step) {
     if (k > 0) text += ", ";
-    text += step == 1 ? std::to_string(found.first[k])
-                      : "(" + std::to_string(found.first[k]) + ", " + std::to_string(found.first[k + 1]) + ")";
+    if (step == 2) text += '(';
+    text += std::to_string(found.first[k]);
+    if (step == 2) text.append(", ").append(std::to_string(found.first[k + 1])).append(")");
   }
   return static_cast<std::size_t>(found.count) > most_named ? text + ", ..." : text;
 }
