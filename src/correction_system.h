@@ -141,9 +141,9 @@ class CorrectionSystem {
   static constexpr S bad_cotangent_sum = S(6);
 
   struct BadFace {
-    Index face;
-    Eigen::Matrix<S, 6, 6> inverse;  // corners, then edges along their canonical halfedges
-    Eigen::Matrix<S, 3, 1> edges;    // its part of the result
+    Index face = none;
+    Eigen::Matrix<S, 6, 6> inverse = Eigen::Matrix<S, 6, 6>::Zero();  // corners, then edges, each as its edge runs
+    Eigen::Matrix<S, 3, 1> edges = Eigen::Matrix<S, 3, 1>::Zero();    // its part of the result
   };
   struct BadEdge {
     Index edge;
@@ -159,7 +159,7 @@ class CorrectionSystem {
 
   void collect_bad_faces() {
     for (Index t = 0; t < mesh_.faces(); ++t)
-      if (cot_[3 * t] + cot_[3 * t + 1] + cot_[3 * t + 2] > bad_cotangent_sum) bad_.push_back({t, {}, {}});
+      if (cot_[3 * t] + cot_[3 * t + 1] + cot_[3 * t + 2] > bad_cotangent_sum) bad_.push_back({.face = t});
     std::vector<Index> place(bad_.empty() ? 0 : static_cast<std::size_t>(mesh_.faces()), none);
     for (std::size_t b = 0; b < bad_.size(); ++b) place[static_cast<std::size_t>(bad_[b].face)] = static_cast<Index>(b);
     parallel_for(static_cast<std::int64_t>(bad_.size()),
