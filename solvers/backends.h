@@ -25,6 +25,13 @@ template <class Scalar>
 template <class Scalar>
 [[nodiscard]] SolverPtr<Scalar> make_eigen_ldlt();
 
+template <class Scalar>
+[[nodiscard]] SolverPtr<Scalar> make_multigrid(const SolverOptions& options);
+template <>
+[[nodiscard]] SolverPtr<double> make_multigrid<double>(const SolverOptions& options);
+template <>
+[[nodiscard]] SolverPtr<std::complex<double>> make_multigrid<std::complex<double>>(const SolverOptions& options);
+
 /// A positive pivot this many rounding units below its diagonal entry carries no digit: the matrix is singular to
 /// working precision. A margin of 64 covers the rounding errors summed up in one pivot.
 inline constexpr double singular_pivot = 64 * 2.2204460492503131e-16;

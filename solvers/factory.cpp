@@ -32,6 +32,8 @@ const auto backends = std::to_array<Backend>({
 #endif
     {"eigen-ldlt", [](const SolverOptions&) { return detail::make_eigen_ldlt<double>(); },
      [](const SolverOptions&) { return detail::make_eigen_ldlt<complex<double>>(); }},
+    {"multigrid", [](const SolverOptions& o) { return detail::make_multigrid<double>(o); },
+     [](const SolverOptions& o) { return detail::make_multigrid<complex<double>>(o); }},
 });
 
 void validate(const SolverOptions& options) {

@@ -155,7 +155,10 @@ class Lanczos {
   using Ritz = Eigen::SelfAdjointEigenSolver<MatrixX<double>>;
 
   void factorise() {
-    solver_ = make_linear_solver<complex<double>>({.name = options_.solver});
+    // Iterative backends: a hundredth of the outer tolerance, but nothing below what double precision gives.
+    const double inner = std::max(1e-2 * options_.tolerance, 1e-13);
+    solver_ = make_linear_solver<complex<double>>({.name = options_.solver, .tolerance = inner});
+    if (problem_.M.nonZeros() == problem_.S.nonZeros()) solver_->set_transport(problem_.M);
     double sigma = -relative_shift / problem_.area;
     for (int attempt = 1;; ++attempt) {
       A_ = shifted(problem_.S, problem_.M, sigma);

@@ -105,8 +105,17 @@ Dense random_dense(Eigen::Index rows, Eigen::Index cols, std::uint64_t seed) {
   return X;
 }
 
+SolverOptions backend(const std::string& name) { return {.name = name, .tolerance = 1e-13}; }
+
+/// Backends that see every pivot, and so what is wrong with a matrix.
+std::vector<std::string> direct_solvers() {
+  std::vector<std::string> names = linear_solvers();
+  std::erase(names, "multigrid");
+  return names;
+}
+
 Dense solve(const std::string& name, const Hermitian& A, const Dense& B) {
-  auto solver = make_linear_solver<Z>({.name = name});
+  auto solver = make_linear_solver<Z>(backend(name));
   solver->analyse(A);
   solver->factorise(A);
   Dense X(B.rows(), B.cols());
@@ -143,7 +152,7 @@ TEST_CASE("backends solve in place of strided blocks and for no right-hand side 
   const Hermitian A = ring(30, 1, 3) + identity(30);
   for (const std::string& name : linear_solvers()) {
     CAPTURE(name);
-    auto solver = make_linear_solver<Z>({.name = name});
+    auto solver = make_linear_solver<Z>(backend(name));
     solver->analyse(A);
     solver->factorise(A);
     const Dense X = random_dense(30, 2, 4);
@@ -170,7 +179,7 @@ TEST_CASE("real symmetric systems") {
   const MatrixX<double> X = random_dense(400, 3, 6).real();
   for (const std::string& name : linear_solvers()) {
     CAPTURE(name);
-    auto solver = make_linear_solver<double>({.name = name});
+    auto solver = make_linear_solver<double>(backend(name));
     solver->analyse(A);
     solver->factorise(A);
     MatrixX<double> Y(400, 3);
@@ -183,7 +192,7 @@ TEST_CASE("one analysis serves any values, and only its pattern") {
   Hermitian A = torus_grid(12, 12, 0.2, 7) + identity(144);
   for (const std::string& name : linear_solvers()) {
     CAPTURE(name);
-    auto solver = make_linear_solver<Z>({.name = name});
+    auto solver = make_linear_solver<Z>(backend(name));
     Dense X(144, 1);
     CHECK_THROWS_AS(solver->factorise(A), SolveError);
     solver->analyse(A);
@@ -204,9 +213,9 @@ TEST_CASE("indefinite and singular matrices are refused, and the message says so
   const Index n = 60;
   Hermitian indefinite = ring(n, 1, 10) + identity(n);
   indefinite.coeffRef(17, 17) = -5;
-  for (const std::string& name : linear_solvers()) {
+  for (const std::string& name : direct_solvers()) {
     CAPTURE(name);
-    auto solver = make_linear_solver<Z>({.name = name});
+    auto solver = make_linear_solver<Z>(backend(name));
     for (const Hermitian& A : {indefinite, Hermitian(ring(n, 0, 11)), Hermitian(torus_grid(30, 30, 0, 12))}) {
       solver->analyse(A);
       try {
@@ -248,7 +257,7 @@ TEST_CASE("one solver serves several threads, several solvers do not disturb eac
   for (const std::string& name : linear_solvers()) {
     CAPTURE(name);
     const Dense expected = solve(name, A, B);
-    auto shared = make_linear_solver<Z>({.name = name});
+    auto shared = make_linear_solver<Z>(backend(name));
     shared->analyse(A);
     shared->factorise(A);
     std::vector<Dense> X(4, Dense(B.rows(), B.cols()));
@@ -259,7 +268,7 @@ TEST_CASE("one solver serves several threads, several solvers do not disturb eac
           if (t < 2) {
             shared->solve(B, X[static_cast<std::size_t>(t)]);
           } else {
-            auto own = make_linear_solver<Z>({.name = name});
+            auto own = make_linear_solver<Z>(backend(name));
             own->analyse(A);
             own->factorise(A);
             own->solve(B, X[static_cast<std::size_t>(t)]);

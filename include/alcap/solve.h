@@ -50,6 +50,10 @@ template <class Scalar>
 class LinearSolver {
  public:
   virtual ~LinearSolver() = default;
+  /// Optional, before factorise(): a matrix of A's pattern whose off-diagonal phases are the parallel transports; the
+  /// mass matrix is one. Multigrid uses it where the phase of -A_ij is not the transport (obtuse angles); others ignore
+  /// it.
+  virtual void set_transport(const SparseMatrix<Scalar>&) {}
   /// Ordering and symbolic analysis of A's pattern. Throws SolveError when memory runs out.
   virtual void analyse(const SparseMatrix<Scalar>& A) = 0;
   /// Numeric factorisation; A must have the analysed pattern. Throws SolveError when A is not positive definite.

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+//
+// mg_hierarchy.h: gauge-covariant smoothed aggregation (Vanek, Mandel, Brezina 1996, with transports in place of the
+// constant vector) and its W-cycle. Internal to solvers/.
+//
+// The near-null vectors of a connection Laplacian are not constant but covariantly constant over short distances. So
+// the tentative prolongation carries a value from the root of an aggregate to its vertices by parallel transport, which
+// is the phase of -A_ij. A change of gauge changes no modulus anywhere.
+#pragma once
+
+#include <vector>
+
+#include "alcap/solve.h"
+#include "solvers/mg_level.h"
+
+namespace alcap::detail {
+
+/// Which vertices form one coarse vertex. `aggregate[i]` is none for vertices that the smoother alone takes care of.
+struct Aggregates {
+  std::vector<Index> aggregate;
+  std::vector<ComplexF> transport;  ///< from the root of the aggregate to the vertex, modulus 1
+  Index count = 0;
+};
+
+/// Greedy aggregation of strongly coupled vertices, in their order.
+[[nodiscard]] Aggregates aggregate(const Level& level);
+
+/// Fills level.prolongation and level.restriction.
+void smooth_prolongation(Level& level, const Aggregates& aggregates);
+
+/// P^H A P, without its prolongation.
+[[nodiscard]] Level galerkin(const Level& fine);
+
+/// True for entries that aggregation and prolongation treat as coupled.
+[[nodiscard]] inline bool strong(const Level& level, std::int64_t i, std::int64_t e) {
+  // Weak couplings (theta = 0.08 of the diagonal) would tie directions together that the smoother does not.
+  constexpr float theta = 0.08F;
+  const auto j = static_cast<std::size_t>(level.off.column[static_cast<std::size_t>(e)]);
+  return std::norm(level.off.value[static_cast<std::size_t>(e)]) >
+         theta * theta * level.diagonal[static_cast<std::size_t>(i)] * level.diagonal[j];
+}
+
+class Hierarchy {
+ public:
+  /// Builds all levels from A. `transport`, when not null, is a matrix of A's pattern whose off-diagonal phases are the
+  /// transports (the mass matrix is one): couplings of A that work against them (obtuse angles, mass terms) are lumped.
+  /// Bitwise independent of threads. Throws SolveError when A has a diagonal entry that is not positive.
+  void build(const SparseMatrix<std::complex<double>>& A, const SparseMatrix<std::complex<double>>* transport);
+
+  /// Workspace of one W-cycle with K vectors.
+  struct Workspace {
+    std::vector<std::vector<ComplexF>> x, b, d;
+  };
+  template <int K>
+  [[nodiscard]] Workspace workspace() const;
+
+  /// x ~ A^-1 b by one W-cycle from zero. Hermitian positive definite, so fit for preconditioning. The vectors are
+  /// w.b[0] and w.x[0].
+  template <int K>
+  void cycle(Workspace& w) const {
+    visit<K>(0, w, true);
+  }
+
+  [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
+  [[nodiscard]] std::int64_t nonzeros() const;
+
+ private:
+  template <int K>
+  void visit(std::size_t level, Workspace& w, bool from_zero) const;
+  void invert_coarsest();
+
+  std::vector<Level> levels_;
+  std::vector<ComplexF> coarsest_inverse_;  // dense; empty when the coarsest level is too large for that
+};
+
+}  // namespace alcap::detail
