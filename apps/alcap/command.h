@@ -13,7 +13,7 @@
 
 #include "progress.h"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): the library's name
 class App;
 }
 

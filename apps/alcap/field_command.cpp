@@ -96,7 +96,7 @@ std::string summary(const FieldOptions& options, const Json& report) {
 
 /// The formats asked for, all by default. Throws Failure(usage) for an unknown one.
 std::vector<std::string> chosen_formats(const FieldOptions& options) {
-  const std::vector<std::string> known = field_formats();
+  std::vector<std::string> known = field_formats();
   if (options.formats.empty()) return known;
   for (const std::string& f : options.formats) {
     if (std::find(known.begin(), known.end(), f) != known.end()) continue;
@@ -146,19 +146,19 @@ Outcome run(FieldOptions options, Progress& progress) {
                            .field = result.field,
                            .singularities = result.singularities};
   Json report = field_report(options.mesh.path, file, result, options.run);
-  const auto finish = [&](std::vector<std::string> files) {
+  const auto finish = [&](const std::vector<std::string>& files) {
     times.write = seconds(write_start);
     times.total = seconds(start);
     report["times"] = times_json(result.times, times);
     report["peak_memory_bytes"] = peak_memory_bytes();
-    report["files"] = std::move(files);
+    report["files"] = files;
   };
   if (plan.kind == OutputPlan::Kind::file) {
     std::vector<std::string> files;
     write_guarded([&] {
       for (const auto& path : write_field(output, plan.target)) files.push_back(path.string());
     });
-    finish(std::move(files));
+    finish(files);
   } else if (plan.kind == OutputPlan::Kind::folder) {
     write_folder(plan.target, [&](const std::filesystem::path& folder) {
       std::vector<std::filesystem::path> paths;
@@ -166,7 +166,7 @@ Outcome run(FieldOptions options, Progress& progress) {
       std::vector<std::string> files;
       for (const auto& path : write_field(output, paths)) files.push_back((plan.target / path.filename()).string());
       files.push_back((plan.target / "report.json").string());
-      finish(std::move(files));
+      finish(files);
       write_text(folder / "report.json", report.dump(2) + "\n");
     });
   } else {

@@ -93,7 +93,7 @@ std::string summary(const Json& report) {
     return mesh[key].is_null() ? std::string("?") : grouped(mesh[key].get<std::int64_t>());
   };
   const auto real = [&](const char* key) {
-    return mesh[key].is_null() ? std::string("?") : fmt::format("{:.4g}", mesh[key].get<double>());
+    return mesh[key].is_null() ? std::string("?") : fmt::format("{:.6g}", mesh[key].get<double>());
   };
   std::string text;
   const auto line = [&](const char* label, const std::string& value) {

@@ -72,10 +72,10 @@ void print(std::string_view text) {
 
 /// The last resort for what went wrong: one line on stderr, with --json also an object on stdout.
 int complain(const std::string& command, bool json, Exit exit, const std::string& message,
-             Json details = Json::object()) {
+             const Json& details = Json::object()) {
   fmt::print(stderr, "alcap{}{}: {}\n", command.empty() ? "" : " ", command, message);
   if (json) {
-    const std::string text = error_report(command, exit, message, std::move(details)).dump(2) + "\n";
+    const std::string text = error_report(command, exit, message, details).dump(2) + "\n";
     std::fwrite(text.data(), 1, text.size(), stdout);
   }
   return static_cast<int>(exit);
@@ -84,9 +84,9 @@ int complain(const std::string& command, bool json, Exit exit, const std::string
 /// Calls body and gives every exception its exit code.
 template <class Body>
 int guarded(const std::string& command, bool json, Progress& progress, Body&& body) {
-  const auto fail = [&](Exit exit, const std::exception& e, Json details = Json::object()) {
+  const auto fail = [&](Exit exit, const std::exception& e, const Json& details = Json::object()) {
     progress.clear();
-    return complain(command, json, exit, e.what(), std::move(details));
+    return complain(command, json, exit, e.what(), details);
   };
   try {
     return body();
@@ -95,7 +95,9 @@ int guarded(const std::string& command, bool json, Progress& progress, Body&& bo
   } catch (const FileError& e) {
     return fail(Exit::input, e, file_details(e));
   } catch (const MeshError& e) {
-    return fail(Exit::mesh, e, mesh_details(e));
+    progress.clear();
+    return complain(command, json, Exit::mesh, fmt::format("{} (alcap info lists all defects)", e.what()),
+                    mesh_details(e));
   } catch (const OptionError& e) {
     return fail(Exit::usage, e, {{"option", e.field()}, {"value", e.value()}});
   } catch (const SolveError& e) {

@@ -135,7 +135,7 @@ Json report_head(const std::string& command, bool ok) {
           {"ok", ok}};
 }
 
-Json error_report(const std::string& command, Exit exit, const std::string& message, Json details) {
+Json error_report(const std::string& command, Exit exit, const std::string& message, const Json& details) {
   Json error{{"kind", name(exit)}, {"exit_code", static_cast<int>(exit)}, {"message", message}};
   error.update(details);
   Json report = report_head(command, false);

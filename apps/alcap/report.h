@@ -24,7 +24,7 @@ inline constexpr int report_version = 1;
 [[nodiscard]] Json report_head(const std::string& command, bool ok);
 
 /// The whole answer to a failed command.
-[[nodiscard]] Json error_report(const std::string& command, Exit exit, const std::string& message, Json details);
+[[nodiscard]] Json error_report(const std::string& command, Exit exit, const std::string& message, const Json& details);
 [[nodiscard]] Json file_details(const FileError& error);
 [[nodiscard]] Json mesh_details(const MeshError& error);
 
