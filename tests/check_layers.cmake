@@ -17,6 +17,7 @@ set(layers
   field
   design
   singularities streamlines
+  designer
   pipeline
   output
   alcap)
