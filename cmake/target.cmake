@@ -25,7 +25,8 @@ target_include_directories(alcap PRIVATE ${PROJECT_SOURCE_DIR}/src)
 target_include_directories(alcap PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
 target_link_libraries(alcap
   PUBLIC Eigen3::Eigen
-  PRIVATE TBB::tbb $<BUILD_INTERFACE:alcap_dep_SPECTRA> $<BUILD_INTERFACE:alcap_dep_FAST_FLOAT>)
+  PRIVATE TBB::tbb $<BUILD_INTERFACE:alcap_dep_SPECTRA> $<BUILD_INTERFACE:alcap_dep_FAST_FLOAT>
+  $<BUILD_INTERFACE:alcap_dep_JSON>)
 target_compile_definitions(alcap PRIVATE ALCAP_VERSION="${PROJECT_VERSION}")
 if(ALCAP_WITH_CHOLMOD)
   target_sources(alcap PRIVATE solvers/cholmod.cpp)

@@ -18,6 +18,7 @@ set(layers
   design
   singularities streamlines
   designer
+  design_file
   pipeline
   output
   alcap)

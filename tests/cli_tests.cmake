@@ -6,7 +6,6 @@ add_test(NAME umbrella_is_complete COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SO
 if(NOT TARGET alcap_cli)
   return()
 endif()
-alcap_headers(JSON nlohmann/json.hpp nlohmann-json3-dev)
 foreach(topic IN ITEMS cli_field cli_bad_input cli_commands)
   alcap_test(${topic} alcap_dep_JSON)
   target_compile_definitions(test_${topic} PRIVATE ALCAP_CLI="$<TARGET_FILE:alcap_cli>")

@@ -8,6 +8,7 @@
 #include "alcap/connection.h"
 #include "alcap/conventions.h"
 #include "alcap/design.h"
+#include "alcap/design_file.h"
 #include "alcap/designer.h"
 #include "alcap/energies.h"
 #include "alcap/errors.h"

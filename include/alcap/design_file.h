@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: MIT
+//
+// design_file.h: a design as users write it down: singularities by kind and angle, fixed vertices, strokes, cones and
+// guidance, in degrees and in directions of space, as a struct and as a JSON file (docs/design.md, version 1).
+//
+//   alcap::DesignFile design = alcap::read_design("saddle.json");
+//   design = alcap::place_design(design, mesh, V);              // points of space become faces and vertices
+//   alcap::check_design(design, mesh);                          // names what does not fit this mesh
+//   for (auto& c : alcap::design_controls(design, mesh, V, frames)) designer.add(c.control);
+//
+// Problems are named by their place in the file (a JSON pointer such as /singularities/2/face) and their value:
+// FileError from reading, OptionError from everything else. Faces, vertices and arrays count from 0. Directions and
+// points are in the coordinates of the mesh.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "alcap/connection.h"
+#include "alcap/designer.h"
+#include "alcap/frames.h"
+
+namespace alcap {
+
+inline constexpr int design_version = 1;
+
+using Vector3 = std::array<double, 3>;
+
+/// What a singularity looks like. Sink, vortex and spiral exist for n = 1 only, wedge and trisector for n = 2.
+enum class SingularityKind {
+  source,     ///< index +1/n; n = 1: a source, turned into a spiral by `angle`
+  sink,       ///< index +1
+  vortex,     ///< index +1, counter-clockwise; angle 180 makes it clockwise
+  spiral,     ///< index +1; `angle` is the swirl: 0 source, 90 vortex, 180 sink
+  saddle,     ///< index -1/n
+  wedge,      ///< index +1/2
+  trisector,  ///< index -1/2
+};
+
+/// A singularity of index +-1/n. One of `face` and `at`.
+struct DesignSingularity {
+  std::string name = {};  // for messages and the report
+  Index face = none;
+  std::optional<Vector3> at = std::nullopt;  // the face nearest to this point
+  SingularityKind kind = SingularityKind::source;
+  /// Degrees. Index +1 with n = 1: swirl, added to that of the kind. Otherwise the direction of one of the straight
+  /// branches, from `relative_to` projected to the face, or else from the face's first edge; counter-clockwise.
+  double angle = 0;
+  std::optional<Vector3> relative_to = std::nullopt;
+  double strength = 1;  // holds against a guidance field of unit length
+  bool pin = false;  // the zero lies exactly at `barycentric`, or else at the point nearest to `at`, or the barycenter
+  std::optional<std::array<double, 3>> barycentric = std::nullopt;
+};
+
+/// The field at a vertex, exactly. One of `vertex` and `at`; one of `direction` and `angle`.
+struct DesignFixed {
+  std::string name = {};
+  Index vertex = none;
+  std::optional<Vector3> at = std::nullopt;         // the vertex nearest to this point
+  std::optional<Vector3> direction = std::nullopt;  // of one of the n branches, projected to the tangent plane
+  std::optional<double> angle = std::nullopt;       // degrees from `relative_to`, or else from the vertex frame's axis
+  std::optional<Vector3> relative_to = std::nullopt;
+  double length = 1;  // |u| there
+};
+
+/// A point of a stroke. `face` and `barycentric`, or `at`.
+struct DesignPoint {
+  Index face = none;
+  std::array<double, 3> barycentric{};
+  std::optional<Vector3> at = std::nullopt;  // the nearest point of the surface
+};
+
+struct DesignStroke {
+  std::string name = {};
+  std::vector<DesignPoint> points = {};
+  double weight = 1;  // see Stroke
+};
+
+struct DesignConnection {
+  ConnectionKind kind = ConnectionKind::global;  // trivial: with the cones
+  PolarCenter center = PolarCenter::incenter;
+  double detail = 1;  // see GlobalOptions
+  std::vector<Cone> cones = {};
+};
+
+struct DesignGuidance {
+  enum class Source {
+    none,       ///< no guidance term
+    zero,       ///< towards zero: what makes flat and trivial connections solvable without saying anything else
+    smoothest,  ///< the smoothest field of this connection
+    file,       ///< a field that alcap wrote, on the same mesh
+  };
+  Source source = Source::none;
+  std::filesystem::path file = {};  // as written; read_design makes it relative to the folder of the design
+  double weight = 1;                // see DesignerOptions::guidance_weight
+};
+
+/// Counts of the mesh that a design is for.
+struct DesignMesh {
+  std::int64_t vertices = 0, faces = 0;
+};
+
+struct DesignFile {
+  std::string comment = {};
+  std::optional<DesignMesh> mesh = std::nullopt;  // given: the design refuses other meshes
+  int n = 1;
+  DesignConnection connection = {};
+  DesignGuidance guidance = {};
+  std::vector<DesignSingularity> singularities = {};
+  std::vector<DesignFixed> fixed = {};
+  std::vector<DesignStroke> strokes = {};
+};
+
+/// Reads and checks a design. Throws FileError: missing, not JSON (with the line), a key that is unknown or given
+/// twice, a value of the wrong type or out of range; the message names the JSON path and the value.
+[[nodiscard]] DesignFile read_design(const std::filesystem::path& path);
+
+/// The same from memory; `name` stands for the file in messages, and `folder` is what guidance files are relative to.
+[[nodiscard]] DesignFile parse_design(std::string_view text, const std::string& name = "design",
+                                      const std::filesystem::path& folder = {});
+
+/// Writes a design so that reading it gives the same design. Throws OptionError (see check_design) and FileError.
+void write_design(const std::filesystem::path& path, const DesignFile& design);
+
+/// The text that write_design writes.
+[[nodiscard]] std::string design_text(const DesignFile& design);
+
+/// Everything that can be checked without a mesh. Throws OptionError whose field is the JSON path.
+void check_design(const DesignFile& design);
+
+/// Whether the design fits this mesh, besides check_design: counts, numbers of faces, vertices and cones. Throws
+/// OptionError.
+void check_design(const DesignFile& design, const Mesh& mesh);
+
+/// The same design with `at` replaced by faces, vertices and barycentric coordinates. Throws as check_design does.
+[[nodiscard]] DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positions<double>& V);
+
+/// One control of the designer and where it came from.
+struct DesignControl {
+  std::string path;  ///< "/singularities/0"
+  std::string name;  ///< as given, or "saddle in face 12"
+  Control control;
+};
+
+/// The controls of a placed design: singularities, then fixed vertices, then strokes. `frames` are those of the
+/// vertices for the connection of the design. Throws OptionError when a direction has no part in the tangent plane.
+[[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh,
+                                                         const Positions<double>& V, const Frames<double>& frames);
+
+/// Stable names: "source", "sink", ...
+[[nodiscard]] const char* name(SingularityKind kind);
+
+/// +1 or -1, in n-ths.
+[[nodiscard]] int index_of(SingularityKind kind);
+
+}  // namespace alcap

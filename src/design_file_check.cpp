@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+//
+// design_file_check.cpp: what the values of a design must be, with and without a mesh.
+#include <cmath>
+#include <string>
+
+#include "alcap/design_file.h"
+#include "alcap/errors.h"
+#include "src/design_file_problem.h"
+
+namespace alcap {
+namespace {
+
+using detail::number_text;
+using detail::Problem;
+
+constexpr int largest_n = 1000;  // as `alcap field`
+
+std::string text(const std::array<double, 3>& x) {
+  return "[" + number_text(x[0]) + "," + number_text(x[1]) + "," + number_text(x[2]) + "]";
+}
+
+void check_positive(const std::string& path, double value) {
+  if (!(value > 0) || !std::isfinite(value)) throw Problem{path, number_text(value), "must be positive and finite"};
+}
+
+void check_finite(const std::string& path, double value) {
+  if (!std::isfinite(value)) throw Problem{path, number_text(value), "must be finite"};
+}
+
+void check_point(const std::string& path, const Vector3& x) {
+  for (const double c : x)
+    if (!std::isfinite(c)) throw Problem{path, text(x), "must be finite"};
+}
+
+void check_direction(const std::string& path, const Vector3& x) {
+  check_point(path, x);
+  if (x[0] == 0 && x[1] == 0 && x[2] == 0) throw Problem{path, text(x), "a direction must not be zero"};
+}
+
+void check_barycentric(const std::string& path, const std::array<double, 3>& b) {
+  const double sum = b[0] + b[1] + b[2];
+  for (const double x : b)
+    if (!(x >= -1e-9) || !(std::abs(sum - 1) <= 1e-6))
+      throw Problem{path, text(b), "barycentric coordinates must not be negative and must sum to 1"};
+}
+
+void check_place(const std::string& path, const char* element, Index number, const std::optional<Vector3>& at) {
+  if ((number != none) == at.has_value()) {
+    if (number == none) throw Problem{path, "no place", std::string("needs either ") + element + " or at"};
+    throw Problem{path, "two places", std::string("needs either ") + element + " or at, not both"};
+  }
+  if (at)
+    check_point(path + "/at", *at);
+  else if (number < 0)
+    throw Problem{path + "/" + element, std::to_string(number), "must not be negative"};
+}
+
+void check(const std::string& path, const DesignSingularity& s, int n) {
+  check_place(path, "face", s.face, s.at);
+  const bool of_vectors =
+      s.kind == SingularityKind::sink || s.kind == SingularityKind::vortex || s.kind == SingularityKind::spiral;
+  const bool of_lines = s.kind == SingularityKind::wedge || s.kind == SingularityKind::trisector;
+  const std::string kind = std::string("\"") + name(s.kind) + "\"";
+  if ((of_vectors && n != 1) || (of_lines && n != 2))
+    throw Problem{path + "/kind", kind,
+                  std::string("exists for n = ") + (of_lines ? "2" : "1") + " only, and here n = " + std::to_string(n) +
+                      "; source and saddle exist for every n"};
+  check_finite(path + "/angle", s.angle);
+  if (s.relative_to) {
+    check_direction(path + "/relative_to", *s.relative_to);
+    if (n == 1 && index_of(s.kind) > 0)
+      throw Problem{path + "/relative_to", text(*s.relative_to),
+                    "the angle of a source, vortex or spiral is its swirl, which has no direction in space"};
+  }
+  check_positive(path + "/strength", s.strength);
+  if (s.barycentric) {
+    check_barycentric(path + "/pin", *s.barycentric);
+    if (s.at) throw Problem{path + "/pin", text(*s.barycentric), "goes with face; with at, give true"};
+    if (!s.pin) throw Problem{path + "/pin", text(*s.barycentric), "coordinates of a pin without a pin"};
+  }
+}
+
+void check(const std::string& path, const DesignFixed& f) {
+  check_place(path, "vertex", f.vertex, f.at);
+  if (f.direction.has_value() == f.angle.has_value())
+    throw Problem{path, f.angle ? "two directions" : "no direction", "needs either direction or angle"};
+  if (f.direction) check_direction(path + "/direction", *f.direction);
+  if (f.angle) check_finite(path + "/angle", *f.angle);
+  if (f.relative_to) {
+    check_direction(path + "/relative_to", *f.relative_to);
+    if (!f.angle) throw Problem{path + "/relative_to", text(*f.relative_to), "goes with angle"};
+  }
+  check_positive(path + "/length", f.length);
+}
+
+void check(const std::string& path, const DesignStroke& s) {
+  if (s.points.size() < 2)
+    throw Problem{path + "/points", std::to_string(s.points.size()) + " points", "a stroke has at least two"};
+  for (std::size_t k = 0; k < s.points.size(); ++k) {
+    const std::string at = path + "/points/" + std::to_string(k);
+    check_place(at, "face", s.points[k].face, s.points[k].at);
+    if (!s.points[k].at) check_barycentric(at + "/barycentric", s.points[k].barycentric);
+  }
+  check_positive(path + "/weight", s.weight);
+}
+
+std::string at(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
+
+void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
+  const auto face = [&](const std::string& path, Index t) {
+    if (t >= mesh.faces())
+      throw Problem{path, std::to_string(t), "there is no such face; the mesh has " + std::to_string(mesh.faces())};
+  };
+  const auto vertex = [&](const std::string& path, Index v) {
+    if (v >= mesh.vertices())
+      throw Problem{path, std::to_string(v),
+                    "there is no such vertex; the mesh has " + std::to_string(mesh.vertices())};
+    if (v >= 0 && !mesh.referenced(v)) throw Problem{path, std::to_string(v), "no face uses this vertex"};
+  };
+  if (design.mesh) {
+    if (design.mesh->vertices != mesh.vertices())
+      throw Problem{"/mesh/vertices", std::to_string(design.mesh->vertices),
+                    "the design is for another mesh; this one has " + std::to_string(mesh.vertices())};
+    if (design.mesh->faces != mesh.faces())
+      throw Problem{"/mesh/faces", std::to_string(design.mesh->faces),
+                    "the design is for another mesh; this one has " + std::to_string(mesh.faces())};
+  }
+  for (std::size_t k = 0; k < design.connection.cones.size(); ++k)
+    vertex(at("connection/cones", k) + "/vertex", design.connection.cones[k].vertex);
+  for (std::size_t k = 0; k < design.singularities.size(); ++k)
+    face(at("singularities", k) + "/face", design.singularities[k].face);
+  for (std::size_t k = 0; k < design.fixed.size(); ++k) {
+    vertex(at("fixed", k) + "/vertex", design.fixed[k].vertex);
+    for (std::size_t j = 0; j < k && design.fixed[k].vertex != none; ++j)
+      if (design.fixed[j].vertex == design.fixed[k].vertex)
+        throw Problem{at("fixed", k) + "/vertex", std::to_string(design.fixed[k].vertex), "is fixed twice"};
+  }
+  for (std::size_t k = 0; k < design.strokes.size(); ++k)
+    for (std::size_t p = 0; p < design.strokes[k].points.size(); ++p)
+      face(at("strokes", k) + "/points/" + std::to_string(p) + "/face", design.strokes[k].points[p].face);
+}
+
+}  // namespace
+
+void detail::check_design_values(const DesignFile& design) {
+  if (design.n < 1 || design.n > largest_n)
+    throw Problem{"/n", std::to_string(design.n), "the degree of a field is 1 to " + std::to_string(largest_n)};
+  if (design.mesh && design.mesh->vertices < 3)
+    throw Problem{"/mesh/vertices", std::to_string(design.mesh->vertices), "a mesh has at least three"};
+  if (design.mesh && design.mesh->faces < 1)
+    throw Problem{"/mesh/faces", std::to_string(design.mesh->faces), "a mesh has at least one"};
+  check_positive("/connection/detail", design.connection.detail);
+  const bool trivial = design.connection.kind == ConnectionKind::trivial;
+  if (!trivial && !design.connection.cones.empty())
+    throw Problem{"/connection/cones", std::to_string(design.connection.cones.size()) + " cones",
+                  "only a trivial connection has cones"};
+  for (std::size_t k = 0; k < design.connection.cones.size(); ++k) {
+    const Cone& cone = design.connection.cones[k];
+    if (cone.vertex < 0)
+      throw Problem{at("connection/cones", k) + "/vertex", std::to_string(cone.vertex), "must not be negative"};
+    const double count = cone.index * design.n;
+    if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
+      throw Problem{at("connection/cones", k) + "/index", number_text(cone.index),
+                    "must be a multiple of 1/n = 1/" + std::to_string(design.n)};
+  }
+  if (design.guidance.source != DesignGuidance::Source::none)
+    check_positive("/guidance/weight", design.guidance.weight);
+  if (design.guidance.source == DesignGuidance::Source::file && design.guidance.file.empty())
+    throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
+  for (std::size_t k = 0; k < design.singularities.size(); ++k)
+    check(at("singularities", k), design.singularities[k], design.n);
+  for (std::size_t k = 0; k < design.fixed.size(); ++k) check(at("fixed", k), design.fixed[k]);
+  for (std::size_t k = 0; k < design.strokes.size(); ++k) check(at("strokes", k), design.strokes[k]);
+}
+
+void check_design(const DesignFile& design) {
+  try {
+    detail::check_design_values(design);
+  } catch (const Problem& p) {
+    throw OptionError(p.path, p.value, p.rule);
+  }
+}
+
+void check_design(const DesignFile& design, const Mesh& mesh) {
+  check_design(design);
+  try {
+    check_with_mesh(design, mesh);
+  } catch (const Problem& p) {
+    throw OptionError(p.path, p.value, p.rule);
+  }
+}
+
+int index_of(SingularityKind kind) {
+  return kind == SingularityKind::saddle || kind == SingularityKind::trisector ? -1 : 1;
+}
+
+}  // namespace alcap
