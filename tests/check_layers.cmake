@@ -17,6 +17,7 @@ set(layers
   field
   design
   singularities streamlines
+  strokes
   designer
   design_file
   pipeline

@@ -25,6 +25,7 @@
 #include "alcap/pipeline.h"
 #include "alcap/singularities.h"
 #include "alcap/solve.h"
+#include "alcap/strokes.h"
 #include "alcap/topology.h"
 #include "alcap/version.h"
 // IWYU pragma: end_exports

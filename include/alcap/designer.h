@@ -28,14 +28,9 @@
 #include "alcap/field.h"
 #include "alcap/operators.h"
 #include "alcap/solve.h"
+#include "alcap/strokes.h"
 
 namespace alcap {
-
-/// A point of the surface: barycentric coordinates, summing to 1, in a face.
-struct SurfacePoint {
-  Index face = none;
-  std::array<double, 3> barycentric{};
-};
 
 /// A singularity of index sign/n asked for in a face.
 struct SingularityTarget {
