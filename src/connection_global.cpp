@@ -91,6 +91,10 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   validate(options);
   // A float solve gains about five digits before its rounding shows; less than one digit means it is of no use here.
   constexpr double float_reduction = 1e-5, useful_reduction = 0.1;
+  // Blocks pay on slivers (an equilateral triangle's cotangents sum to 1.7, those of one with a corner of 10 degrees to
+  // 5.8), and on every face when little weight on D_E leaves D_T's own couplings to the preconditioner.
+  constexpr double sliver = 6, small_detail = 0.5, no_blocks = std::numeric_limits<double>::infinity();
+  const double block_above = options.detail < small_detail ? 0 : sliver;
 
   const VectorX<T> weights = halfedge_weights(mesh, geometry, options);
   VectorX<T> edge_weight(mesh.edges());
@@ -99,18 +103,21 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     edge_weight[e] =
         g == none ? T(0) : static_cast<T>(options.detail) * weights[h] * weights[g] / (weights[h] + weights[g]);
   });
-  CorrectionSystem<T> system(mesh, geometry.cots(), edge_weight, fix_rho);
+  CorrectionSystem<T> system(mesh, geometry.cots(), edge_weight, fix_rho, no_blocks);
   const VectorX<float> float_cots = geometry.cots().template cast<float>();
   const VectorX<float> float_weight = edge_weight.template cast<float>();
-  std::optional<CorrectionSystem<float>> float_system(std::in_place, mesh, float_cots, float_weight, fix_rho);
+  CorrectionSystem<float> float_system(mesh, float_cots, float_weight, fix_rho, block_above);
+  std::optional<CorrectionSystem<T>> full_system;  // only where float does not do
 
   const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-  Correction<T> gradient = system.zeros(), x = system.zeros();
+  Correction<T> gradient = system.zeros(), x;
+  Correction<float> measured = float_system.zeros();
   double first = 0, last = 0;
   c.report.iterations = 0;
   for (int round = 0;; ++round) {
     system.gradient(c.tau, r.start, r.end, gradient);
-    const double norm = std::sqrt(std::max(0.0, system.precondition(gradient, x)));
+    // Measured through the preconditioner; float is enough for a norm.
+    const double norm = std::sqrt(std::max(0.0, float_system.precondition(cast<float>(gradient), measured)));
     if (round == 0) first = norm;
     // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
     const double floor = double(std::numeric_limits<T>::epsilon()) * std::sqrt(double(mesh.halfedges()));
@@ -118,13 +125,13 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     const int left = options.max_iterations - c.report.iterations;
     if (c.report.residual <= tolerance || left <= 0) break;
     if (round > 0 && norm > useful_reduction * last) {
-      if (!float_system) break;  // full precision has reached its own rounding
-      float_system.reset();
+      if (full_system) break;  // full precision has reached its own rounding
+      full_system.emplace(mesh, geometry.cots(), edge_weight, fix_rho, block_above);
     }
     last = norm;
     const double wanted = 0.5 * tolerance / c.report.residual;
-    c.report.iterations += float_system ? solve_in(*float_system, gradient, std::max(float_reduction, wanted), left, x)
-                                        : solve_in(system, gradient, wanted, left, x);
+    c.report.iterations += full_system ? solve_in(*full_system, gradient, wanted, left, x)
+                                       : solve_in(float_system, gradient, std::max(float_reduction, wanted), left, x);
     parallel_for(mesh.faces(), [&](std::int64_t t) {
       const Index h = static_cast<Index>(3 * t);
       for (Index k = 0; k < 3; ++k) {

@@ -37,7 +37,9 @@ struct Correction {
 template <class S>
 class CorrectionSystem {
  public:
-  CorrectionSystem(const Mesh& mesh, const VectorX<S>& cots, const VectorX<S>& edge_weight, bool hold_rho)
+  /// Faces whose cotangents sum to more than `block_above` are preconditioned as blocks.
+  CorrectionSystem(const Mesh& mesh, const VectorX<S>& cots, const VectorX<S>& edge_weight, bool hold_rho,
+                   double block_above)
       : mesh_(mesh), cot_(cots), weight_(edge_weight), hold_rho_(hold_rho), tau_force_(mesh.halfedges()) {
     scale_ = {VectorX<S>(mesh.halfedges()), VectorX<S>(hold_rho ? 0 : mesh.edges())};
     parallel_for(mesh.halfedges(), [&](std::int64_t i) {
@@ -47,7 +49,7 @@ class CorrectionSystem {
       scale_.X[i] = inverse(whitney + (weight_[mesh.edge(h)] + weight_[mesh.edge(p)]) / 3);
     });
     parallel_for(scale_.R.size(), [&](std::int64_t e) { scale_.R[e] = inverse(edge_mass(static_cast<Index>(e))); });
-    collect_bad_faces();
+    collect_bad_faces(block_above);
   }
 
   /// z = P r with the preconditioner P; returns r' P r.
@@ -136,10 +138,6 @@ class CorrectionSystem {
   }
 
  private:
-  // Faces whose cotangents sum to more than this (an equilateral triangle: 1.7; a corner of 10 degrees: 5.8) are
-  // preconditioned as a block. Lower costs memory and gains nothing, higher costs iterations.
-  static constexpr S bad_cotangent_sum = S(6);
-
   struct BadFace {
     Index face = none;
     Eigen::Matrix<S, 6, 6> inverse = Eigen::Matrix<S, 6, 6>::Zero();  // corners, then edges, each as its edge runs
@@ -157,9 +155,9 @@ class CorrectionSystem {
     return own_mass(h) + (g == none ? S(0) : own_mass(g));
   }
 
-  void collect_bad_faces() {
+  void collect_bad_faces(double block_above) {
     for (Index t = 0; t < mesh_.faces(); ++t)
-      if (cot_[3 * t] + cot_[3 * t + 1] + cot_[3 * t + 2] > bad_cotangent_sum) bad_.push_back({.face = t});
+      if (cot_[3 * t] + cot_[3 * t + 1] + cot_[3 * t + 2] > block_above) bad_.push_back({.face = t});
     std::vector<Index> place(bad_.empty() ? 0 : static_cast<std::size_t>(mesh_.faces()), none);
     for (std::size_t b = 0; b < bad_.size(); ++b) place[static_cast<std::size_t>(bad_[b].face)] = static_cast<Index>(b);
     parallel_for(static_cast<std::int64_t>(bad_.size()),

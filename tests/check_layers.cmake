@@ -19,6 +19,7 @@ set(layers
   singularities streamlines
   strokes
   designer
+  eigen_design
   design_file
   pipeline
   output
@@ -30,6 +31,7 @@ set(also
   "^src/output/ = output"
   "^src/face_edges = mesh_check"
   "^src/homology = topology"
+  "^src/component_blocks = design"
   "^src/(triangle_frame|correction_system) = connection"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
