@@ -8,8 +8,10 @@
 
 #define ALCAP_COMMANDS(X) \
   X(field)                \
+  X(design)               \
   X(info)                 \
   X(ops)                  \
+  X(make)                 \
   X(tables)
 
 namespace alcap::app {

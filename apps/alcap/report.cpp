@@ -55,26 +55,6 @@ Json singularity_json(const Singularity& s, Index component) {
           {"component", component}};
 }
 
-Json singularities_json(const FieldRun& run) {
-  std::int64_t sum = 0, expected = 0, positive = 0;
-  for (const IndexSum& i : run.index_sums) {
-    sum += i.sum;
-    expected += i.expected;
-  }
-  Json list = Json::array();
-  for (const Singularity& s : run.singularities) {
-    positive += s.index > 0;
-    list.push_back(singularity_json(s, run.topology.face_component[static_cast<std::size_t>(s.face)]));
-  }
-  return {{"count", run.singularities.size()},
-          {"positive", positive},
-          {"negative", integer(run.singularities.size()) - positive},
-          {"denominator", run.field.n},
-          {"index_sum", sum},
-          {"expected", expected},
-          {"list", std::move(list)}};
-}
-
 Json components_json(const FieldRun& run) {
   const auto& parts = run.topology.components;
   std::vector<double> area(parts.size(), 0.0);
@@ -243,6 +223,26 @@ Json input_json(const std::filesystem::path& path, const MeshFile& file) {
           {"bytes", file.bytes},
           {"polygons_triangulated", !file.polygon_of.empty()},
           {"ignored", std::move(ignored)}};
+}
+
+Json singularities_json(const FieldRun& run) {
+  std::int64_t sum = 0, expected = 0, positive = 0;
+  for (const IndexSum& i : run.index_sums) {
+    sum += i.sum;
+    expected += i.expected;
+  }
+  Json list = Json::array();
+  for (const Singularity& s : run.singularities) {
+    positive += s.index > 0;
+    list.push_back(singularity_json(s, run.topology.face_component[static_cast<std::size_t>(s.face)]));
+  }
+  return {{"count", run.singularities.size()},
+          {"positive", positive},
+          {"negative", integer(run.singularities.size()) - positive},
+          {"denominator", run.field.n},
+          {"index_sum", sum},
+          {"expected", expected},
+          {"list", std::move(list)}};
 }
 
 Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double>& geometry) {

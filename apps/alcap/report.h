@@ -39,6 +39,8 @@ inline constexpr int report_version = 1;
 [[nodiscard]] Json connection_json(const Mesh& mesh, const Geometry<double>& geometry,
                                    const Connection<double>& connection, const FieldRunOptions& options);
 [[nodiscard]] Json remarks_json(const std::vector<Remark>& remarks, bool warnings);
+/// What a run found: counts, sums and the list.
+[[nodiscard]] Json singularities_json(const FieldRun& run);
 [[nodiscard]] Json defects_json(const std::vector<DefectReport>& defects);
 
 struct RunSeconds {
