@@ -11,10 +11,6 @@
 // The basis grows one vector, one solve, at a time, and after each the residual of the first Ritz pair is computed:
 // with Op V = V H + f e^T, a Ritz pair (theta, y = V s) has S y - lambda M y = -(s_last / theta) (S - sigma M) f. When
 // that says it is done, the vector is formed and its true residual decides.
-#include <Spectra/LinAlg/Lanczos.h>
-#include <Spectra/LinAlg/TridiagEigen.h>
-#include <Spectra/MatOp/internal/ArnoldiOp.h>
-
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -22,6 +18,7 @@
 
 #include "solvers/backends.h"
 #include "solvers/eigen_problem.h"
+#include "solvers/lanczos_recurrence.h"
 
 namespace alcap::detail {
 namespace {
@@ -35,9 +32,6 @@ constexpr double relative_shift = 1e-3;
 /// When S is a little indefinite, the shift grows by this factor, this many times.
 constexpr double shift_growth = 100;
 constexpr int shift_attempts = 3;
-/// Most basis vectors: 640 bytes a row, well below the factor's. After a restart the better half stays.
-constexpr Index basis_size = 40;
-constexpr Index kept = 16;
 /// The second eigenvalue is an information, not the result: its Ritz vector this good gives it to about 1e-3.
 constexpr double next_tolerance = 1e-3;
 constexpr int solves_for_next = 12;
@@ -85,27 +79,7 @@ class Mass {
 
 using Operators = Spectra::ArnoldiOp<double, ShiftInvert, Mass>;
 
-/// Spectra's Lanczos factorisation with the implicit restart that its solver classes keep private.
-class Recurrence : public Spectra::Lanczos<double, Operators> {
- public:
-  using Base = Spectra::Lanczos<double, Operators>;
-  using Base::Base;
-  using Index = Eigen::Index;  // Spectra's is private
-
-  /// Shrinks a full basis to the `keep` Ritz vectors of largest Ritz values; `theta` ascending.
-  void restart(Index keep, const VectorX<double>& theta) {
-    const Index full = theta.size();
-    Spectra::TridiagQR<double> qr(full);
-    MatrixX<double> Q = MatrixX<double>::Identity(full, full);
-    for (Index i = 0; i < full - keep; ++i) {
-      // Shifts of larger modulus first, as in Spectra: theta is positive and ascending here.
-      qr.compute(matrix_H(), theta[full - keep - 1 - i]);
-      qr.apply_YQ(Q);
-      compress_H(qr);
-    }
-    compress_V(Q);
-  }
-};
+using Recurrence = LanczosRecurrence<Operators>;
 
 class Lanczos {
  public:

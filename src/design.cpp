@@ -6,30 +6,13 @@
 
 #include "alcap/energies.h"
 #include "alcap/parallel.h"
+#include "src/component_blocks.h"
 
 namespace alcap {
 namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-// Vertices of each component, in order.
-std::vector<std::vector<Index>> vertices_of_components(const Topology& topology) {
-  std::vector<std::vector<Index>> vertices(topology.components.size());
-  for (std::size_t c = 0; c < vertices.size(); ++c)
-    vertices[c].reserve(static_cast<std::size_t>(topology.components[c].vertices));
-  for (std::size_t v = 0; v < topology.vertex_component.size(); ++v)
-    if (topology.vertex_component[v] != none)
-      vertices[static_cast<std::size_t>(topology.vertex_component[v])].push_back(static_cast<Index>(v));
-  return vertices;
-}
-
-std::vector<double> areas_of_components(const Geometry<double>& geometry, const Topology& topology) {
-  std::vector<double> areas(topology.components.size(), 0.0);
-  for (std::size_t t = 0; t < topology.face_component.size(); ++t)
-    areas[static_cast<std::size_t>(topology.face_component[t])] += geometry.area(static_cast<Index>(t));
-  return areas;
 }
 
 }  // namespace
@@ -53,7 +36,7 @@ SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geomet
 
   const auto solve_start = std::chrono::steady_clock::now();
   const Topology topology = find_topology(mesh);
-  const std::vector<double> areas = areas_of_components(geometry, topology);
+  const std::vector<double> areas = detail::areas_of_components(geometry, topology);
   if (topology.components.size() == 1 && mesh.referenced_vertices() == mesh.vertices()) {
     EigenResult eigen = smallest_eigenpair(matrices.S, matrices.M, areas[0], options.eigen);
     result.field.u = std::move(eigen.u);
@@ -62,7 +45,7 @@ SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geomet
     // Pieces are independent: each is its own problem, several small ones run side by side.
     result.field.u = ComplexVectorX<double>::Zero(mesh.vertices());
     result.components.resize(topology.components.size());
-    const std::vector<std::vector<Index>> vertices = vertices_of_components(topology);
+    const std::vector<std::vector<Index>> vertices = detail::vertices_of_components(topology);
     std::vector<Index> local(static_cast<std::size_t>(mesh.vertices()), none);
     for (const std::vector<Index>& piece : vertices)
       for (std::size_t k = 0; k < piece.size(); ++k) local[static_cast<std::size_t>(piece[k])] = static_cast<Index>(k);

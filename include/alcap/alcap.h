@@ -10,6 +10,7 @@
 #include "alcap/design.h"
 #include "alcap/design_file.h"
 #include "alcap/designer.h"
+#include "alcap/eigen_design.h"
 #include "alcap/energies.h"
 #include "alcap/errors.h"
 #include "alcap/field.h"

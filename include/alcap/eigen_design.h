@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+//
+// eigen_design.h: the smoothest field that follows strokes (LTGD 2016, Sec. 7.2): per component the smallest eigenpair
+// of
+//   (S + w int |d/ds (u - (u.c) c)|^2 ds) u = lambda (M + w int |u.c|^2 ds) u
+// for polylines with unit tangent c. The part of the field across the stroke is kept constant along it, the part along
+// the stroke is rewarded; the length of the field is not drawn to any value. For n-fields c is its n-th power.
+//
+//   auto line = alcap::stroke_from_space(mesh, V, geometry, points);
+//   auto result = alcap::eigen_design(mesh, geometry, connection, frames, {{.line = line}}, {.n = 4});
+//   result.field.u, result.components[0].lambda, result.strokes[0].mean_degrees ...
+//
+// A field and its opposite follow a stroke equally well here: with several strokes each one takes the sign that is
+// smoothest (for even n the opposite of the n-th power lies across the stroke, which the report tells). The overall
+// sign is the one that follows the strokes more than it opposes them.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "alcap/design.h"
+#include "alcap/strokes.h"
+
+namespace alcap {
+
+/// How the stroke terms, which are linear over the reals only, are solved.
+enum class EigenPath {
+  automatic,  ///< low_rank for short strokes, real_view for long ones; plainly complex without strokes
+  real_view,  ///< one factorisation of the real 2 #V x 2 #V matrix
+  low_rank,   ///< one of the complex matrix, the strokes as an update (Woodbury)
+};
+
+struct EigenStroke {
+  SurfacePolyline line;
+  /// w in units of 10 sqrt(area of the component): 1 means the same on every mesh and in every unit. 1 draws the field
+  /// to within a few degrees of the stroke, 100 to what the polyline's own corners leave.
+  double weight = 1;
+};
+
+struct EigenDesignOptions {
+  int n = 1;       // 1 vector field, 2 line field, 4 cross field
+  double s = 0.0;  // energy family, as SmoothestOptions::s
+  /// Adds offset w int |u - (u.c) c|^2 / area to the left side. The two terms of the paper leave a part across the
+  /// stroke that is constant along it free: fields at a constant angle to a stroke cost nothing, and on flat surfaces a
+  /// stroke then aligns nothing. 1 is enough to remove it, and adds no pull on the length of the field. 0: as in the
+  /// paper.
+  double offset = 1;
+  EigenOptions eigen = {};  // tolerance, backend; `method` is used by components without strokes
+  EigenPath path = EigenPath::automatic;
+  int largest_rank = 64;  // automatic: rows kept as an update (two per face); beyond, the real factorisation is cheaper
+};
+
+/// How well a stroke is followed, means over its length.
+struct EigenStrokeReport {
+  double mean_degrees = 0;     ///< angle between the stroke and the nearest branch of the field
+  double largest_degrees = 0;  ///< the largest one
+  double magnitude = 0;        ///< mean |u| along the stroke over the root mean square of |u| on its component
+  bool met = false;            ///< mean within 10 degrees: drawn to, not tied to
+};
+
+struct EigenDesignResult {
+  Field<double> field;                  ///< int |u|^2 = 1 on every component
+  std::vector<EigenReport> components;  ///< one per component, in the order of topology.h
+  std::vector<EigenStrokeReport> strokes;
+  double assembly_seconds = 0;
+  double eigen_seconds = 0;
+};
+
+/// Solves; without strokes as smoothest_field(). Throws OptionError for n < 1, s outside [-1, 1], bad weights, or
+/// strokes that are empty or name faces the mesh has not. Non-convergence is reported. O(factorisation); the derivative
+/// along the stroke is the difference quotient of the part across it between the middles of its pieces (one per face,
+/// where the tangent is that of the smooth curve to second order), everything else is the closed-form basis integrated
+/// by three Gauss points per segment.
+[[nodiscard]] EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometry,
+                                             const Connection<double>& connection,
+                                             std::shared_ptr<const Frames<double>> frames,
+                                             const std::vector<EigenStroke>& strokes,
+                                             const EigenDesignOptions& options = {});
+
+}  // namespace alcap
