@@ -182,7 +182,26 @@ struct Designer::State {
     return {.rows = {row}};
   }
 
+  [[nodiscard]] Prepared prepare_line(const Stroke& stroke) const {
+    if (!stroke.points.empty())
+      throw OptionError("points", std::to_string(stroke.points.size()) + " points", "a stroke has points or a line");
+    check_weight("weight", stroke.weight);
+    Prepared out;
+    const double scale = stroke.weight * stroke_scale / std::sqrt(geometry.total_area());
+    for (const SurfaceSegment& segment : stroke.line.segments) {
+      const SurfacePoint middle{segment.face, segment.at(0.5)};
+      check_point(mesh, middle, "line");
+      check_weight("line", segment.length);
+      Row row = point_row(middle);
+      row.target = std::polar(1.0, options.n * std::arg(segment.tangent));
+      row.weight = scale * segment.length;
+      out.rows.push_back(row);
+    }
+    return out;
+  }
+
   [[nodiscard]] Prepared prepare(const Stroke& stroke) const {
+    if (!stroke.line.segments.empty()) return prepare_line(stroke);
     if (stroke.points.size() < 2)
       throw OptionError("points", std::to_string(stroke.points.size()) + " points", "a stroke has at least two");
     check_weight("weight", stroke.weight);

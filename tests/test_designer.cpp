@@ -238,3 +238,43 @@ TEST_CASE("singular systems, empty designs and bad controls are refused with the
   CHECK_THROWS_AS((void)sphere.designer({.n = 0}), OptionError);
   CHECK_THROWS_AS((void)sphere.designer({.n = 1, .guidance_weight = -1}), OptionError);
 }
+
+TEST_CASE("a traced line aligns the field in every face it crosses, however few points were drawn") {
+  const Case s(bumpy_sphere(4, 0.1, 3));
+  Positions<double> points(5, 3);
+  for (int k = 0; k < 5; ++k) {
+    const double a = 0.3 + 0.3 * k;
+    points.row(k) << 2 * std::cos(a), 1.2 * std::sin(a), 1.6 * std::sin(a);
+  }
+  const SurfacePolyline line = stroke_from_space(s.mesh, s.surface.V, s.geometry, points);
+  REQUIRE(line.segments.size() > 20);
+  for (const int n : {1, 4}) {
+    double last = 1e9;
+    for (const double weight : {0.1, 1.0, 10.0}) {
+      auto designer = s.designer({.n = n});
+      const auto id = designer.add(Stroke{.weight = weight, .line = line});
+      const auto result = designer.solve();
+      CHECK(result.controls[0].met);
+      CHECK(result.controls[0].error_degrees < last + 1e-9);
+      last = result.controls[0].error_degrees;
+      // Between the rows, and as a direction in the faces: at both ends of every segment.
+      double worst = 0;
+      for (const SurfaceSegment& segment : line.segments) {
+        const auto u =
+            face_field(s.mesh, s.geometry, s.connection, n, result.field.u, segment.face).at(segment.at(0.9)).u;
+        worst = std::max(worst, std::abs(wrap(std::arg(u) - n * std::arg(segment.tangent))) / n);
+      }
+      if (weight == 10.0) CHECK(worst < 0.3);
+      // Backwards: the opposite vectors, the same crosses.
+      designer.set(id, Stroke{.weight = weight, .line = line.reversed()});
+      const auto back = designer.solve();
+      CHECK((back.field.u - (n % 2 ? -1.0 : 1.0) * result.field.u).norm() < 1e-7 * result.field.u.norm());
+    }
+    CHECK(last < 3);
+  }
+  auto designer = s.designer({.n = 1});
+  CHECK_THROWS_AS(designer.add(Stroke{.points = {{0, {1, 0, 0}}}, .line = line}), OptionError);
+  SurfacePolyline broken = line;
+  broken.segments[3].face = -1;
+  CHECK_THROWS_AS(designer.add(Stroke{.line = broken}), OptionError);
+}

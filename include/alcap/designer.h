@@ -51,10 +51,12 @@ struct VertexConstraint {
 };
 
 /// Soft alignment with a polyline on the surface: the field is drawn to unit vectors along it. Each point speaks for
-/// half of its two segments; its tangent is the mean of theirs, projected to its face.
+/// half of its two segments; its tangent is the mean of theirs, projected to its face. A line of strokes.h in place of
+/// points is followed through every face it crosses, at the middle of each segment.
 struct Stroke {
-  std::vector<SurfacePoint> points;  // at least two, in order
-  double weight = 1;                 // 1 aligns to a few degrees, 10 to a fraction of one
+  std::vector<SurfacePoint> points = {};  // at least two, in order
+  double weight = 1;                      // 1 aligns to a few degrees, 10 to a fraction of one
+  SurfacePolyline line = {};              // instead of points
 };
 
 struct DesignerOptions {
