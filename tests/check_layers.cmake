@@ -54,7 +54,8 @@ set(doors
   "^alcap/parallel\\.h$ = ^(src|solvers|apps)/"
   "^omp\\.h$ = ^$")
 # C and POSIX headers whose names have no slash but a .h. Public headers use none.
-set(system_headers fcntl.h unistd.h dlfcn.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
+set(system_headers fcntl.h unistd.h dlfcn.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h
+  sanitizer/tsan_interface.h)
 
 set(problems)
 macro(problem)

@@ -88,15 +88,19 @@ void parallel_for(std::int64_t n, Body&& body, std::int64_t grain = sequential_b
 template <class T, class ChunkValue, class Join>
 [[nodiscard]] T parallel_reduce(std::int64_t n, T init, ChunkValue&& chunk_value, Join&& join) {
   const std::int64_t chunks = (n + reduction_chunk - 1) / reduction_chunk;
-  std::vector<T> partial(static_cast<std::size_t>(std::max<std::int64_t>(chunks, 0)), init);
+  struct Slot {  // std::vector<bool> would pack neighbours into one byte
+    T value;
+  };
+  std::vector<Slot> partial(static_cast<std::size_t>(std::max<std::int64_t>(chunks, 0)), Slot{init});
   parallel_for(
       chunks,
       [&](std::int64_t c) {
-        partial[static_cast<std::size_t>(c)] = chunk_value(c * reduction_chunk, std::min(n, (c + 1) * reduction_chunk));
+        partial[static_cast<std::size_t>(c)].value =
+            chunk_value(c * reduction_chunk, std::min(n, (c + 1) * reduction_chunk));
       },
       1);
   T total = init;
-  for (const T& p : partial) total = join(total, p);
+  for (const Slot& p : partial) total = join(total, p.value);
   return total;
 }
 
