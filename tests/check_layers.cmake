@@ -40,7 +40,7 @@ set(also
 # What each part may include, besides the standard library and itself: alcap headers (by the order above), folders,
 # and third-party headers (by path). Listed as  part | folders | third party.
 set(parts
-  "include/alcap | alcap | Eigen/"
+  "include/alcap | alcap | Eigen/ sanitizer/"
   "kernels       | kernels | "
   "src           | alcap src kernels solvers | Eigen/ fast_float/ Spectra/ nlohmann/"
   "solvers       | alcap src kernels solvers | Eigen/ Spectra/"
@@ -52,10 +52,10 @@ set(doors
   "^Eigen/(Cholmod|UmfPack|SPQR|Metis)Support$ = ^solvers/cholmod[^/]*\\.cpp$"
   "^Spectra/ = ^solvers/"
   "^alcap/parallel\\.h$ = ^(src|solvers|apps)/"
+  "^sanitizer/ = ^include/alcap/parallel\\.h$"
   "^omp\\.h$ = ^$")
 # C and POSIX headers whose names have no slash but a .h. Public headers use none.
-set(system_headers fcntl.h unistd.h dlfcn.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h
-  sanitizer/tsan_interface.h)
+set(system_headers fcntl.h unistd.h dlfcn.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
 
 set(problems)
 macro(problem)
