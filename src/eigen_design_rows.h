@@ -50,7 +50,7 @@ struct StrokeSample {
                                                       const SurfacePolyline& line);
 
 [[nodiscard]] StrokeRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry,
-                                     const Connection<double>& connection, int n, const SurfacePolyline& line,
+                                     const Connection<double>& connection, int n, const SurfacePolyline& given,
                                      double offset);
 
 }  // namespace alcap::detail

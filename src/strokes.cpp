@@ -98,7 +98,8 @@ std::vector<Index> shortest_path(const Mesh& mesh, const Geometry<double>& geome
   reached[a] = {0, none};
   queue.emplace(0.0, a);
   while (!queue.empty()) {
-    const auto [distance, v] = queue.top();
+    const double distance = queue.top().first;
+    const Index v = queue.top().second;
     queue.pop();
     if (v == b) break;
     if (distance > reached[v].distance) continue;
