@@ -157,7 +157,7 @@ class RealMultigrid final : public LinearSolver<double> {
   void factorise(const SparseMatrix<double>& A) override { solver_.factorise(A.cast<complex<double>>()); }
   SolveReport solve(const Eigen::Ref<const MatrixX<double>>& B, Eigen::Ref<MatrixX<double>> X) const override {
     MatrixX<complex<double>> x(X.rows(), X.cols());
-    const SolveReport report = solver_.solve(B.cast<complex<double>>(), x);
+    SolveReport report = solver_.solve(B.cast<complex<double>>(), x);
     X = x.real();
     return report;
   }

@@ -116,7 +116,7 @@ Guidance find_guidance(const DesignFile& design, const MeshFile& file, const Fie
 }
 
 std::vector<std::string> chosen_formats(const DesignOptionsGiven& options, const OutputPlan& plan) {
-  const std::vector<std::string> known = field_formats();
+  std::vector<std::string> known = field_formats();
   if (options.formats.empty()) return known;
   if (plan.kind != OutputPlan::Kind::folder)
     throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",

@@ -21,7 +21,7 @@ struct DesignRun {
 };
 
 /// One entry per singularity, fixed vertex, stroke and cone: path, name, type, asked, achieved, error_degrees, met.
-[[nodiscard]] Json controls_json(const DesignRun& run);
+[[nodiscard]] Json controls_json(const DesignRun& d);
 
 /// A warning per control that was not met.
 [[nodiscard]] std::vector<Remark> unmet_remarks(const Json& controls);
