@@ -17,7 +17,7 @@ struct Format {
   /// Do these bytes look like this format? Asked in the order of the registry; cheap.
   bool (*recognise)(std::string_view bytes);
 
-  MeshFile (*read)(Source source, const ReadOptions& options);
+  MeshFile (*read)(const Source& source, const ReadOptions& options);
 
   /// Null when the format is only read. V and F have been checked.
   void (*write)(AtomicFile& file, const Positions<double>& V, const Faces& F);

@@ -45,7 +45,7 @@ void read_face(Tokenizer& in, Builder& mesh, std::vector<std::int64_t>& corners)
   mesh.face(corners, where);
 }
 
-MeshFile read(Source source, const ReadOptions& options) {
+MeshFile read(const Source& source, const ReadOptions& options) {
   Tokenizer in(source);
   Builder mesh(source, options);
   std::vector<std::int64_t> corners;

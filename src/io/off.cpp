@@ -48,7 +48,7 @@ void read_header(Tokenizer& in, const Source& source, std::int64_t& vertices, st
   check_count(source, in.where(), faces, 8, "faces");        // "3 0 0 0\n"
 }
 
-MeshFile read(Source source, const ReadOptions& options) {
+MeshFile read(const Source& source, const ReadOptions& options) {
   Tokenizer in(source);
   Builder mesh(source, options);
   std::int64_t vertices = 0, faces = 0;

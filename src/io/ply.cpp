@@ -135,7 +135,7 @@ class Reader {
   const char* where_ = nullptr;
 };
 
-MeshFile read(Source source, const ReadOptions& options) {
+MeshFile read(const Source& source, const ReadOptions& options) {
   const PlyHeader header = read_ply_header(source);
   if (header.encoding == PlyEncoding::ascii) return Reader<PlyText>(source, header, options).run();
   source.binary_from = header.body;

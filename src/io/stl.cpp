@@ -146,7 +146,7 @@ MeshFile read_text(const Source& source, const ReadOptions& options) {
   return facets.mesh().finish("stl");
 }
 
-MeshFile read(Source source, const ReadOptions& options) {
+MeshFile read(const Source& source, const ReadOptions& options) {
   return is_binary(source.bytes) ? read_binary(source, options) : read_text(source, options);
 }
 
