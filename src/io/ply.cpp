@@ -135,7 +135,8 @@ class Reader {
   const char* where_ = nullptr;
 };
 
-MeshFile read(const Source& source, const ReadOptions& options) {
+MeshFile read(const Source& given, const ReadOptions& options) {
+  Source source = given;  // remembers where the binary part begins
   const PlyHeader header = read_ply_header(source);
   if (header.encoding == PlyEncoding::ascii) return Reader<PlyText>(source, header, options).run();
   source.binary_from = header.body;

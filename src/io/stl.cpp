@@ -146,7 +146,8 @@ MeshFile read_text(const Source& source, const ReadOptions& options) {
   return facets.mesh().finish("stl");
 }
 
-MeshFile read(const Source& source, const ReadOptions& options) {
+MeshFile read(const Source& given, const ReadOptions& options) {
+  Source source = given;  // remembers where the binary part begins
   return is_binary(source.bytes) ? read_binary(source, options) : read_text(source, options);
 }
 
