@@ -25,7 +25,7 @@ using C = Complex<double>;
 // A target's flux, in units of 2 pi sqrt(area of its face): the field it makes is several unit lengths long at the rim
 // of the face, so that strength 1 outweighs a unit guidance field there.
 constexpr double target_flux = 4;
-// Weight of a stroke of weight 1, times sqrt(area) of the surface: measured to align to a few degrees.
+// Weight per length of a stroke of weight 1, times sqrt(area) of the surface: the same on every mesh and in every unit.
 constexpr double stroke_scale = 40;
 // Exact rows get this compliance, relative to the others': rows that say the same twice stay solvable.
 constexpr double exact_compliance = 1e-12;

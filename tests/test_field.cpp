@@ -248,6 +248,23 @@ TEST_CASE("frames make edge directions fit: on a sphere to second order of the e
   CHECK(worst < 2e-3);
 }
 
+TEST_CASE("thread count changes no bit of the field through a serial backend, nothing beyond 1e-10 through BLAS") {
+  const Surface surface = bumpy_sphere(4, 0.3, 3);
+  const auto field = [&](int threads, const char* solver) {
+    ComplexVectorX<double> u;
+    run_with_threads(threads, [&] {
+      const Case s(surface);
+      u = smoothest_field(s.mesh, s.geometry, s.connection, s.frames, {.n = 4, .eigen = {.solver = solver}}).field.u;
+    });
+    return u;
+  };
+  const auto serial = field(1, "eigen-ldlt"), direct = field(1, "auto");
+  for (const int threads : {2, 4}) {
+    CHECK(field(threads, "eigen-ldlt") == serial);
+    CHECK((field(threads, "auto") - direct).cwiseAbs().maxCoeff() < 1e-10 * direct.cwiseAbs().maxCoeff());
+  }
+}
+
 TEST_CASE("two threads may run two designs at once, with the results of one") {
   const Case a(bumpy_sphere(3, 0.3, 3)), b(torus(20, 10, 1, 0.4));
   const auto alone_a = a.smoothest(4), alone_b = b.smoothest(2);

@@ -24,7 +24,8 @@ enum class ConnectionKind { polar, local, global, trivial };
 /// The point of a triangle that the polar map's corner directions aim at (LTGD 2016, eq. 12). The incenter's
 /// direction bisects the corner, so tau -> 0 under refinement. With the barycenter tau tends to a shape-dependent
 /// constant: the triangle-based Dirichlet energy keeps an error that refinement does not remove, and first-order
-/// operators lose an order. Edge-based operators do not see the choice. Offered to reproduce published tables.
+/// operators a small excess that falls only with first order. Edge-based operators do not see the choice. Offered to
+/// reproduce published tables.
 enum class PolarCenter { incenter, barycenter };
 
 /// Weight of an edge in D_E besides its tangent.

@@ -55,7 +55,7 @@ struct VertexConstraint {
 /// points is followed through every face it crosses, at the middle of each segment.
 struct Stroke {
   std::vector<SurfacePoint> points = {};  // at least two, in order
-  double weight = 1;                      // 1 aligns to a few degrees, 10 to a fraction of one
+  double weight = 1;                      // larger follows closer; the report says how close it came
   SurfacePolyline line = {};              // instead of points
 };
 
