@@ -16,8 +16,9 @@ set(layers
   operators assembly energies
   field
   design
-  singularities streamlines
+  singularities
   strokes
+  streamlines
   designer
   eigen_design
   design_file

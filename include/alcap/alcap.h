@@ -26,6 +26,7 @@
 #include "alcap/pipeline.h"
 #include "alcap/singularities.h"
 #include "alcap/solve.h"
+#include "alcap/streamlines.h"
 #include "alcap/strokes.h"
 #include "alcap/topology.h"
 #include "alcap/version.h"
