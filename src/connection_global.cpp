@@ -2,10 +2,11 @@
 //
 // connection_global.cpp: the connection that minimises D_T + lambda D_E (LTGD 2016, Sec. 5.3).
 //
-// Iterative refinement: the gradient at the current lifted state is taken in the connection's own precision, the
-// correction it asks for is solved by conjugate gradients in float (src/correction_system.h), which halves the memory
-// traffic that bounds them; where float makes no headway (extreme slivers) the next correction is solved in full
-// precision.
+// Iterative refinement: the gradient is taken in double, the correction it asks for is solved by conjugate gradients in
+// float (src/correction_system.h), which halves the memory traffic that bounds them; where float makes no headway
+// (extreme slivers) the next correction is solved in double.
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -55,7 +56,7 @@ void validate(const GlobalOptions& o) {
   if (o.max_iterations < 1) refuse("max_iterations", o.max_iterations, "must be at least 1");
 }
 
-// The correction of rho_{v->e} at both ends of edge e that is best for the state r (src/correction_system.h).
+// The correction of rho_{v->e} at both ends of edge e that is best for the state r.
 template <class T>
 std::pair<T, T> edge_correction(const Mesh& mesh, const VectorX<T>& weights, const detail::LiftedResiduals<T>& r,
                                 Index e) {
@@ -66,19 +67,57 @@ std::pair<T, T> edge_correction(const Mesh& mesh, const VectorX<T>& weights, con
           (weights[h] * r.end[h] + weights[g] * r.start[g]) / sum};
 }
 
-template <class To, class From>
-detail::Correction<To> cast(const detail::Correction<From>& x) {
-  return {x.X.template cast<To>(), x.R.template cast<To>()};
+// The faces' pull on each edge, the right-hand side of the correction, at the lifted state r, tau plus u. `pull` holds
+// the parts of the two faces in between, x receives what the relaxed corners move by.
+template <class T>
+void edge_pull(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& weights, const VectorX<T>& tau,
+               const detail::LiftedResiduals<T>& r, const detail::EdgeValues<double>& u,
+               detail::EdgeValues<double>& pull, detail::EdgeValues<double>& out, VectorX<double>& x) {
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    const Index h = static_cast<Index>(3 * t);
+    double cot[3], p[3], mean[3], difference[3], turn[3];
+    for (Index k = 0; k < 3; ++k) {
+      const Index e = mesh.edge(h + k);
+      const double sign = mesh.canonical(h + k) ? 1.0 : -1.0;
+      cot[k] = geometry.cot(h + k);
+      p[k] = weights[h + k];
+      mean[k] = (double(r.start[h + k]) + double(r.end[h + k])) / 2 - u(0, e);
+      difference[k] = double(r.end[h + k]) - double(r.start[h + k]) - sign * u(1, e);
+      turn[k] = double(tau[h + k]) + sign * u(2, e);
+    }
+    const auto moved = detail::relax(detail::face_coefficients(cot, p), mean, difference, turn);
+    for (Index k = 0; k < 3; ++k) {
+      pull(0, h + k) = mean[k];
+      pull(1, h + k) = difference[k];
+      pull(2, h + k) = -turn[k];
+      x[h + k] = moved[static_cast<std::size_t>(k)];
+    }
+  });
+  parallel_for(mesh.edges(), [&](std::int64_t e) {
+    const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
+    out.col(e) = pull.col(h);
+    if (g == none) return;
+    out(0, e) += pull(0, g);
+    out(1, e) -= pull(1, g);
+    out(2, e) -= pull(2, g);
+  });
 }
 
-// Solves A x = -gradient to `reduction`, arithmetic in S.
-template <class S, class T>
-int solve_in(detail::CorrectionSystem<S>& system, const detail::Correction<T>& gradient, double reduction,
-             int max_iterations, detail::Correction<T>& x) {
-  detail::Correction<S> residual{-gradient.X.template cast<S>(), -gradient.R.template cast<S>()}, correction;
-  const int iterations = detail::conjugate_gradients(system, residual, reduction, max_iterations, correction);
-  x = cast<T>(correction);
-  return iterations;
+template <class T>
+void deviation(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& weights, Connection<T>& c) {
+  c.report.D_T = parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
+    const Index h = static_cast<Index>(3 * t);
+    const T cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
+    const T tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};
+    return double(kernels::triangle_energy(cot, tau));
+  });
+  c.report.D_E = parallel_sum<double>(mesh.halfedges(), [&](std::int64_t i) {
+    const Index h = static_cast<Index>(i);
+    const T to_face = c.edge_to_face(geometry, h);
+    const T at_tail = wrap(c.rho_t[h] - c.rho_start(mesh, h) - to_face);
+    const T at_tip = wrap(c.rho_t[Mesh::next(h)] - c.rho_end(mesh, h) - to_face);
+    return double(kernels::halfedge_energy(weights[h], at_tail, at_tip));
+  });
 }
 
 }  // namespace
@@ -91,65 +130,63 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   validate(options);
   // A float solve gains about five digits before its rounding shows; less than one digit means it is of no use here.
   constexpr double float_reduction = 1e-5, useful_reduction = 0.1;
-  // Blocks pay on slivers (an equilateral triangle's cotangents sum to 1.7, those of one with a corner of 10 degrees to
-  // 5.8), and on every face when little weight on D_E leaves D_T's own couplings to the preconditioner.
-  constexpr double sliver = 6, small_detail = 0.5, no_blocks = std::numeric_limits<double>::infinity();
-  const double block_above = options.detail < small_detail ? 0 : sliver;
 
   const VectorX<T> weights = halfedge_weights(mesh, geometry, options);
-  VectorX<T> edge_weight(mesh.edges());
-  parallel_for(mesh.edges(), [&](std::int64_t e) {
-    const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    edge_weight[e] =
-        g == none ? T(0) : static_cast<T>(options.detail) * weights[h] * weights[g] / (weights[h] + weights[g]);
-  });
-  CorrectionSystem<T> system(mesh, geometry.cots(), edge_weight, fix_rho, no_blocks);
-  const VectorX<float> float_cots = geometry.cots().template cast<float>();
-  const VectorX<float> float_weight = edge_weight.template cast<float>();
-  CorrectionSystem<float> float_system(mesh, float_cots, float_weight, fix_rho, block_above);
-  std::optional<CorrectionSystem<T>> full_system;  // only where float does not do
+  {
+    // On the boundary rho_{v->e} is free and follows its face.
+    VectorX<T> p(mesh.halfedges());
+    parallel_for(mesh.halfedges(), [&](std::int64_t h) {
+      p[h] = mesh.boundary_halfedge(static_cast<Index>(h)) ? T(0) : static_cast<T>(options.detail) * weights[h];
+    });
+    CorrectionSystem<float> system(mesh, geometry.cots(), p, fix_rho);
+    std::optional<CorrectionSystem<double>> full_system;  // only where float does not do
 
-  const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-  Correction<T> gradient = system.zeros(), x;
-  Correction<float> measured = float_system.zeros();
-  double first = 0, last = 0;
-  c.report.iterations = 0;
-  for (int round = 0;; ++round) {
-    system.gradient(c.tau, r.start, r.end, gradient);
-    // Measured through the preconditioner; float is enough for a norm.
-    const double norm = std::sqrt(std::max(0.0, float_system.precondition(cast<float>(gradient), measured)));
-    if (round == 0) first = norm;
-    // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
-    const double floor = double(std::numeric_limits<T>::epsilon()) * std::sqrt(double(mesh.halfedges()));
-    c.report.residual = first > floor ? norm / first : 0.0;
-    const int left = options.max_iterations - c.report.iterations;
-    if (c.report.residual <= tolerance || left <= 0) break;
-    if (round > 0 && norm > useful_reduction * last) {
-      if (full_system) break;  // full precision has reached its own rounding
-      full_system.emplace(mesh, geometry.cots(), edge_weight, fix_rho, block_above);
+    const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
+    EdgeValues<double> u = EdgeValues<double>::Zero(3, mesh.edges()), rhs(3, mesh.edges()), pull(3, mesh.halfedges());
+    VectorX<double> x(mesh.halfedges());
+    double first = 0, last = 0;
+    c.report.iterations = 0;
+    for (int round = 0;; ++round) {
+      edge_pull(mesh, geometry, p, c.tau, r, u, pull, rhs, x);
+      if (fix_rho) rhs.row(2).setZero();
+      // Measured through the preconditioner; float is enough for a norm.
+      const double square = system.start(rhs);
+      const double norm = std::sqrt(std::max(0.0, square));
+      if (round == 0) first = norm;
+      // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
+      const double floor = double(std::numeric_limits<T>::epsilon()) * std::sqrt(double(mesh.halfedges()));
+      c.report.residual = first > floor ? norm / first : 0.0;
+      const int left = options.max_iterations - c.report.iterations;
+      if (c.report.residual <= tolerance || left <= 0) break;
+      if (round > 0 && norm > useful_reduction * last) {
+        if (full_system) break;  // full precision has reached its own rounding
+        full_system.emplace(mesh, geometry.cots(), p, fix_rho);
+      }
+      last = norm;
+      const double wanted = 0.5 * tolerance / c.report.residual;
+      if (full_system) {
+        c.report.iterations += conjugate_gradients(*full_system, full_system->start(rhs), wanted, left);
+        full_system->add_solution(u);
+      } else {
+        c.report.iterations += conjugate_gradients(system, square, std::max(float_reduction, wanted), left);
+        system.add_solution(u);
+      }
     }
-    last = norm;
-    const double wanted = 0.5 * tolerance / c.report.residual;
-    c.report.iterations += full_system ? solve_in(*full_system, gradient, wanted, left, x)
-                                       : solve_in(float_system, gradient, std::max(float_reduction, wanted), left, x);
+    c.report.converged = c.report.residual <= tolerance;
     parallel_for(mesh.faces(), [&](std::int64_t t) {
       const Index h = static_cast<Index>(3 * t);
       for (Index k = 0; k < 3; ++k) {
         const Index ahead = h + (k + 1) % 3, e = mesh.edge(h + k);
-        c.rho_t[h + k] += x.X[h + k];
-        r.start[h + k] += x.X[h + k];
-        r.end[h + k] += x.X[ahead];
-        c.tau[h + k] += x.X[ahead] - x.X[h + k];
-        if (!fix_rho) c.tau[h + k] += mesh.canonical(h + k) ? x.R[e] : -x.R[e];
+        c.rho_t[h + k] += static_cast<T>(x[h + k]);
+        r.start[h + k] += static_cast<T>(x[h + k]);
+        r.end[h + k] += static_cast<T>(x[ahead]);
+        if (!fix_rho && mesh.canonical(h + k)) {
+          c.rho[e] += static_cast<T>(u(2, e));
+          c.eps[e] += static_cast<T>(u(2, e));
+        }
       }
     });
-    if (!fix_rho)
-      parallel_for(mesh.edges(), [&](std::int64_t e) {
-        c.rho[e] += x.R[e];
-        c.eps[e] += x.R[e];
-      });
   }
-  c.report.converged = c.report.residual <= tolerance;
   c.report.message.clear();
   if (!c.report.converged)
     c.report.message = "the global connection stopped after " + std::to_string(c.report.iterations) +
@@ -176,7 +213,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     }
     c.K[t] = -sum;
   });
-  measure_deviation(mesh, geometry, options, c);
+  deviation(mesh, geometry, weights, c);
 }
 
 template void optimise_globally(const Mesh&, const Geometry<float>&, const GlobalOptions&, bool, Connection<float>&,
@@ -189,20 +226,7 @@ template void optimise_globally(const Mesh&, const Geometry<double>&, const Glob
 template <class T>
 void measure_deviation(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options, Connection<T>& c) {
   validate(options);
-  const VectorX<T> weights = halfedge_weights(mesh, geometry, options);
-  c.report.D_T = parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
-    const Index h = static_cast<Index>(3 * t);
-    const T cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
-    const T tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};
-    return double(kernels::triangle_energy(cot, tau));
-  });
-  c.report.D_E = parallel_sum<double>(mesh.halfedges(), [&](std::int64_t i) {
-    const Index h = static_cast<Index>(i);
-    const T to_face = c.edge_to_face(geometry, h);
-    const T at_tail = wrap(c.rho_t[h] - c.rho_start(mesh, h) - to_face);
-    const T at_tip = wrap(c.rho_t[Mesh::next(h)] - c.rho_end(mesh, h) - to_face);
-    return double(kernels::halfedge_energy(weights[h], at_tail, at_tip));
-  });
+  deviation(mesh, geometry, halfedge_weights(mesh, geometry, options), c);
 }
 
 template void measure_deviation(const Mesh&, const Geometry<float>&, const GlobalOptions&, Connection<float>&);

@@ -1,280 +1,387 @@
 // SPDX-License-Identifier: MIT
 //
-// correction_system.h: the linear system of the globally optimal connection (LTGD 2016, Sec. 5.3), applied without a
-// matrix, and conjugate gradients on it.
+// correction_system.h: the linear system of the globally optimal connection (LTGD 2016, Sec. 5.3) after every face has
+// optimised its own corners, applied without a matrix, and conjugate gradients on it.
 //
-// Unknowns are corrections (X, R): X per corner to rho_{v->t}, R per edge to rho_ij. The correction y to rho_{v->e} is
-// eliminated edge by edge: with lifted residuals a, b of the two sides of an edge, weights p, q and
-// Q(r, s) = (r^2 + r s + s^2)/3, the minimum over y of p Q(a - y) + q Q(b - y) is pq/(p+q) Q(a - b), reached at
-// y = (p a + q b)/(p + q); a boundary edge has none left. What remains is local and symmetric positive semidefinite
-// (kernel: one gauge angle per vertex), and its condition does not grow with the mesh. Right-hand sides and search
-// directions are orthogonal to the kernel, so conjugate gradients need no care for it.
+// Unknowns are corrections: X per corner to rho_{v->t}, y at both ends of every edge to rho_{v->e}, R per edge to
+// rho_ij. Faces meet only in edges, so X is eliminated face by face, and three numbers per edge remain: the mean m of
+// its two y, their difference d along the canonical halfedge, and R. With the lifted state of a face (tau, and mean
+// and difference of the residuals of its halfedges) the energy of a face is, for p = detail * halfedge weight,
 //
-// The preconditioner is the diagonal, except on badly shaped faces: a sliver's Whitney matrix ties its three corners
-// and three edges together with a stiffness of 1 / (smallest angle), which a diagonal cannot see. Their six unknowns
-// are solved together (additive Schwarz), which keeps the iterations of scans and CAD near those of clean meshes.
+//   tau' W tau + sum over its halfedges of p (mean^2 + difference^2 / 12),
+//
+// from D_T and Q(r, s) = (r^2 + r s + s^2)/3. What remains is symmetric positive semidefinite (kernel: one gauge angle
+// per vertex) and local: its condition does not grow with the mesh. Right-hand sides and search directions are
+// orthogonal to the kernel, so conjugate gradients need no care for it.
+//
+// W of a sliver is stiff, but only in ways a face can hide from its neighbours: its rows all sum to s = (sum of
+// cotangents)/12, so the Whitney form of curvature -k with least energy is k/3 on each halfedge, with energy s k^2 / 3,
+// and the rest is gradients, which X takes up. relax() uses this: it never multiplies by W and is as accurate on
+// slivers as on other faces.
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
-#include <cmath>
+#include <limits>
 #include <vector>
 
-#include "alcap/geometry.h"
 #include "alcap/mesh.h"
 #include "alcap/parallel.h"
-#include "kernels/whitney.h"
+#include "kernels/pack.h"
 
 namespace alcap::detail {
 
-/// A value per corner and a value per edge; R is empty when the vertex-to-vertex rotations are held.
+/// Inverse of the symmetric positive semidefinite [a0 a1 a2; a1 a3 a4; a2 a4 a5] by L D L'. Directions without energy
+/// (relative to the diagonal) are left out.
 template <class S>
-struct Correction {
-  VectorX<S> X, R;
+inline void invert_symmetric(const S (&a)[6], S (&out)[6]) {
+  constexpr S negligible = 8 * std::numeric_limits<S>::epsilon();
+  const auto reciprocal = [](S pivot, S diagonal) { return pivot > negligible * diagonal ? S(1) / pivot : S(0); };
+  const S r0 = reciprocal(a[0], a[0]);
+  const S l1 = a[1] * r0, l2 = a[2] * r0;
+  const S r1 = reciprocal(a[3] - l1 * a[1], a[3]);
+  const S b = a[4] - l1 * a[2];
+  const S l3 = b * r1;
+  const S r2 = reciprocal(a[5] - l2 * a[2] - l3 * b, a[5]);
+  // The columns of inv(L) are (1, -l1, l1 l3 - l2), (0, 1, -l3), (0, 0, 1).
+  const S m = l1 * l3 - l2;
+  out[0] = r0 + l1 * l1 * r1 + m * m * r2;
+  out[1] = -l1 * r1 - l3 * m * r2;
+  out[2] = m * r2;
+  out[3] = r1 + l3 * l3 * r2;
+  out[4] = -l3 * r2;
+  out[5] = r2;
+}
+
+/// What relaxing a face needs to know of it: p of its halfedges, the energy of a unit of curvature, and the inverse of
+/// the Hessian in its corners. S is a scalar or a pack.
+template <class S>
+struct FaceCoefficients {
+  S p[3], stiffness, inverse[6];
 };
 
-/// edge_weight: #E, detail * p q / (p + q), zero on the boundary.
+template <class S>
+inline FaceCoefficients<S> face_coefficients(const S (&cot)[3], const S (&p)[3]) {
+  FaceCoefficients<S> c;
+  S h[3][3] = {};
+  const S sixth = S(1) / 6, half = S(1) / 2;
+  c.stiffness = (cot[0] + cot[1] + cot[2]) / 36;
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3, before = (k + 2) % 3;
+    c.p[k] = p[k];
+    // D' W D has (cot + cot)/2 of the two corners beyond on the diagonal and -cot/2 of the third off it.
+    h[k][k] = half * (cot[next] + cot[before]) + (p[k] + p[before]) * (S(2) * sixth);
+    h[k][next] = h[next][k] = sixth * p[k] - half * cot[before];
+  }
+  const S a[6] = {h[0][0], h[0][1], h[0][2], h[1][1], h[1][2], h[2][2]};
+  invert_symmetric(a, c.inverse);
+  return c;
+}
+
+/// A face that sees mean[k], difference[k] and tau[k] on its halfedges (with X = 0) moves its corners to the optimum.
+/// On return they hold the forces, half of the energy's derivatives with respect to them. Returns X.
+template <class S>
+ALCAP_INLINE std::array<S, 3> relax(const FaceCoefficients<S>& c, S (&mean)[3], S (&difference)[3], S (&tau)[3]) {
+  using V = kernels::Value<S>;
+  const S third(V(1) / 3), half(V(1) / 2), twelfth(V(1) / 12);
+  const S curvature = tau[0] + tau[1] + tau[2];
+  S step[3], x[3], pm[3], pd[3], g[3];
+  for (int k = 0; k < 3; ++k) step[k] = curvature * third - tau[k];
+  for (int k = 0; k < 3; ++k) x[k] = (step[(k + 2) % 3] - step[k]) * third;
+  for (int k = 0; k < 3; ++k) {
+    mean[k] = mean[k] + (x[k] + x[(k + 1) % 3]) * half;
+    difference[k] = difference[k] + step[k];
+    pm[k] = c.p[k] * mean[k] * half;
+    pd[k] = c.p[k] * difference[k] * twelfth;
+  }
+  for (int k = 0; k < 3; ++k) g[k] = pm[k] - pd[k] + pm[(k + 2) % 3] + pd[(k + 2) % 3];
+  const S y[3] = {-(c.inverse[0] * g[0] + c.inverse[1] * g[1] + c.inverse[2] * g[2]),
+                  -(c.inverse[1] * g[0] + c.inverse[3] * g[1] + c.inverse[4] * g[2]),
+                  -(c.inverse[2] * g[0] + c.inverse[4] * g[1] + c.inverse[5] * g[2])};
+  for (int k = 0; k < 3; ++k) {
+    const int next = (k + 1) % 3;
+    mean[k] = c.p[k] * (mean[k] + (y[k] + y[next]) * half);
+    difference[k] = c.p[k] * (difference[k] + y[next] - y[k]) * twelfth;
+  }
+  // W tau is its mean plus differences that balance the pull of the edges on the corners.
+  S pull[3];
+  for (int k = 0; k < 3; ++k) pull[k] = (mean[k] + mean[(k + 2) % 3]) * half - difference[k] + difference[(k + 2) % 3];
+  for (int k = 0; k < 3; ++k) tau[k] = c.stiffness * curvature + (pull[k] - pull[(k + 1) % 3]) * third;
+  return {x[0] + y[0], x[1] + y[1], x[2] + y[2]};
+}
+
+/// A value (m, d, R) per edge.
+template <class S>
+using EdgeValues = Eigen::Matrix<S, 3, Eigen::Dynamic>;
+
 template <class S>
 class CorrectionSystem {
  public:
-  /// Faces whose cotangents sum to more than `block_above` are preconditioned as blocks.
-  CorrectionSystem(const Mesh& mesh, const VectorX<S>& cots, const VectorX<S>& edge_weight, bool hold_rho,
-                   double block_above)
-      : mesh_(mesh), cot_(cots), weight_(edge_weight), hold_rho_(hold_rho), tau_force_(mesh.halfedges()) {
-    scale_ = {VectorX<S>(mesh.halfedges()), VectorX<S>(hold_rho ? 0 : mesh.edges())};
-    parallel_for(mesh.halfedges(), [&](std::int64_t i) {
-      const Index h = static_cast<Index>(i), n = Mesh::next(h), p = Mesh::prev(h);
-      // W_hh + W_pp - 2 W_hp of the two halfedges that meet here, and a third of both edges' weights.
-      const S whitney = (cot_[n] + cot_[p]) / 2;
-      scale_.X[i] = inverse(whitney + (weight_[mesh.edge(h)] + weight_[mesh.edge(p)]) / 3);
+  /// weights: p per halfedge, zero on the boundary.
+  template <class T>
+  CorrectionSystem(const Mesh& mesh, const VectorX<T>& cots, const VectorX<T>& weights, bool hold_rho)
+      : face_count_(mesh.faces()),
+        edge_count_(mesh.edges()),
+        faces_(blocks(face_count_)),
+        edges_(blocks(edge_count_)),
+        slot_(static_cast<std::size_t>(mesh.halfedges())),
+        sides_(2 * static_cast<std::size_t>(edge_count_)),
+        force_(3 * (static_cast<std::size_t>(mesh.halfedges()) + 1)),
+        z_(3 * static_cast<std::size_t>(edge_count_)) {
+    parallel_for(edge_count_, [&](std::int64_t e) {
+      const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
+      slot_[static_cast<std::size_t>(h)] = static_cast<Index>(e);
+      if (g != none) slot_[static_cast<std::size_t>(g)] = ~static_cast<Index>(e);
+      sides_[2 * static_cast<std::size_t>(e)] = h;
+      sides_[2 * static_cast<std::size_t>(e) + 1] = g == none ? mesh.halfedges() : g;
     });
-    parallel_for(scale_.R.size(), [&](std::int64_t e) { scale_.R[e] = inverse(edge_mass(static_cast<Index>(e))); });
-    collect_bad_faces(block_above);
-  }
-
-  /// z = P r with the preconditioner P; returns r' P r.
-  double precondition(const Correction<S>& r, Correction<S>& z) {
-    const auto diagonal = [](const VectorX<S>& d, const VectorX<S>& rv, VectorX<S>& zv) {
-      parallel_for(rv.size(), [&](std::int64_t i) { zv[i] = d[i] * rv[i]; });
-    };
-    diagonal(scale_.X, r.X, z.X);
-    diagonal(scale_.R, r.R, z.R);
-    parallel_for(static_cast<std::int64_t>(bad_.size()), [&](std::int64_t b) {
-      BadFace& f = bad_[static_cast<std::size_t>(b)];
-      const Index h = 3 * f.face;
-      Eigen::Matrix<S, 6, 1> in;
-      for (Index k = 0; k < 3; ++k) {
-        in[k] = r.X[h + k];
-        in[3 + k] = hold_rho_ ? S(0) : r.R[mesh_.edge(h + k)];
+    each(faces_, [&](std::int64_t b, FaceBlock& f) {
+      for (int l = 0; l < B; ++l) {
+        const std::int64_t h = 3 * std::min<std::int64_t>(b * B + l, face_count_ - 1);
+        const double cot[3] = {double(cots[h]), double(cots[h + 1]), double(cots[h + 2])};
+        const double p[3] = {double(weights[h]), double(weights[h + 1]), double(weights[h + 2])};
+        const FaceCoefficients<double> c = face_coefficients(cot, p);
+        for (int k = 0; k < 3; ++k) f.p[k][l] = static_cast<S>(c.p[k]);
+        for (int k = 0; k < 6; ++k) f.inverse[k][l] = static_cast<S>(c.inverse[k]);
+        f.stiffness[l] = static_cast<S>(c.stiffness);
       }
-      const Eigen::Matrix<S, 6, 1> out = f.inverse * in;
-      for (Index k = 0; k < 3; ++k) z.X[h + k] = out[k];
-      f.edges = out.template tail<3>();
     });
-    if (!hold_rho_)
-      parallel_for(static_cast<std::int64_t>(bad_edges_.size()), [&](std::int64_t i) {
-        const BadEdge& e = bad_edges_[static_cast<std::size_t>(i)];
-        S sum = 0;
-        for (const Index slot : e.slots)
-          if (slot != none) sum += bad_[static_cast<std::size_t>(slot / 3)].edges[slot % 3];
-        z.R[e.edge] = sum;
+    // The blocks of single edges go from faces to edges through force_, three of their six entries at a time.
+    for (int part = 0; part < 2; ++part) {
+      each(faces_, [&](std::int64_t b, const FaceBlock& f) { own_blocks(b, f, part); });
+      each(edges_, [&](std::int64_t b, EdgeBlock& e) {
+        S sum[3][B];
+        gather(b, sum, part == 0 ? Parity::mixed : Parity::even);
+        for (int k = 0; k < 3; ++k)
+          for (int l = 0; l < B; ++l) e.inverse[3 * part + k][l] = sum[k][l];
       });
-    const auto product = [](const VectorX<S>& a, const VectorX<S>& b) {
-      return parallel_sum<double>(a.size(), [&](std::int64_t i) { return double(a[i]) * double(b[i]); });
-    };
-    return product(r.X, z.X) + product(r.R, z.R);
-  }
-
-  [[nodiscard]] Correction<S> zeros() const {
-    return {VectorX<S>::Zero(scale_.X.size()), VectorX<S>::Zero(scale_.R.size())};
-  }
-
-  /// out = A x; returns x' A x.
-  double apply(const Correction<S>& x, Correction<S>& out) {
-    const S* const X = x.X.data();
-    const S* const R = x.R.data();
-    double product = parallel_reduce(
-        std::int64_t{mesh_.faces()}, 0.0,
-        [&](std::int64_t begin, std::int64_t end) {
-          double sum = 0;
-          for (std::int64_t t = begin; t < end; ++t) {
-            const Index h = static_cast<Index>(3 * t);
-            S tau[3], jump_tail[3], jump_tip[3];
-            for (Index k = 0; k < 3; ++k) {
-              const Index e = mesh_.edge(h + k), g = mesh_.twin(h + k);
-              const S here = X[h + k], ahead = X[h + (k + 1) % 3];
-              tau[k] = ahead - here;
-              if (!hold_rho_) tau[k] += g == none || h + k < g ? R[e] : -R[e];
-              const S w = weight_[e] / 6;
-              const S tail = g == none ? S(0) : here - X[Mesh::next(g)], tip = g == none ? S(0) : ahead - X[g];
-              jump_tail[k] = w * (2 * tail + tip);
-              jump_tip[k] = w * (tail + 2 * tip);
-            }
-            sum += finish_face(h, tau, jump_tail, jump_tip, X, out);
-          }
-          return sum;
-        },
-        [](double a, double b) { return a + b; });
-    product += finish_edges(R, out);
-    return product;
-  }
-
-  /// Half of the gradient of D_T + detail D_E at a lifted state.
-  void gradient(const VectorX<S>& tau, const VectorX<S>& start, const VectorX<S>& end, Correction<S>& out) {
-    parallel_for(mesh_.faces(), [&](std::int64_t t) {
-      const Index h = static_cast<Index>(3 * t);
-      S jump_tail[3], jump_tip[3];
-      for (Index k = 0; k < 3; ++k) {
-        const Index g = mesh_.twin(h + k);
-        const S w = weight_[mesh_.edge(h + k)] / 6;
-        const S tail = g == none ? S(0) : start[h + k] - end[g], tip = g == none ? S(0) : end[h + k] - start[g];
-        jump_tail[k] = w * (2 * tail + tip);
-        jump_tip[k] = w * (tail + 2 * tip);
+    }
+    each(edges_, [&](std::int64_t, EdgeBlock& e) {
+      for (int l = 0; l < B; ++l) {
+        S a[6], inverse[6];
+        for (int k = 0; k < 6; ++k) a[k] = hold_rho && (k == 2 || k >= 4) ? S(0) : e.inverse[k][l];
+        invert_symmetric(a, inverse);
+        for (int k = 0; k < 6; ++k) e.inverse[k][l] = inverse[k];
       }
-      const S here[3] = {tau[h], tau[h + 1], tau[h + 2]};
-      (void)finish_face(h, here, jump_tail, jump_tip, start.data(), out);
     });
-    (void)finish_edges(out.R.data(), out);
+  }
+
+  /// Sets the right-hand side and x = 0; returns r' P r with the preconditioner P, the inverse of the edges' blocks.
+  template <class T>
+  double start(const EdgeValues<T>& rhs) {
+    return reduce(edges_, [&](std::int64_t b, EdgeBlock& e, S(&sums)[B]) {
+      const int count = size_of(b, edge_count_);
+      for (int k = 0; k < 3; ++k) {
+        for (int l = 0; l < B; ++l) e.p[k][l] = e.s[k][l] = e.x[k][l] = e.r[k][l] = 0;
+        for (int l = 0; l < count; ++l) e.r[k][l] = static_cast<S>(rhs(k, b * B + l));
+      }
+      S z[3][B];
+      precondition(e, z);
+      finish(b, e, z, sums);
+    });
+  }
+
+  /// Relaxes all faces in the state z = P r; returns z' A z.
+  double apply() {
+    return reduce(faces_, [&](std::int64_t b, const FaceBlock& f, S(&sums)[B]) {
+      S values[9][B];
+      const int count = size_of(b, face_count_);
+      const Index* const slot = slot_.data() + 3 * b * B;
+      for (int l = 0; l < count; ++l)
+        for (int k = 0; k < 3; ++k) {
+          const Index e = slot[3 * l + k];
+          const S sign = e < 0 ? S(-1) : S(1);
+          const S* const z = z_.data() + 3 * std::int64_t{e < 0 ? ~e : e};
+          values[k][l] = -z[0];
+          values[3 + k][l] = -sign * z[1];
+          values[6 + k][l] = sign * z[2];
+        }
+      for (int k = 0; k < 9; ++k)
+        for (int l = count; l < B; ++l) values[k][l] = 0;
+      for (int l = 0; l < B; l += Lanes::size) {
+        const FaceCoefficients<Lanes> c = coefficients(f, l);
+        Lanes v[3][3], before[3][3], sum = Lanes::load(sums + l);
+        for (int i = 0; i < 3; ++i)
+          for (int k = 0; k < 3; ++k) v[i][k] = before[i][k] = Lanes::load(values[3 * i + k] + l);
+        relax(c, v[0], v[1], v[2]);
+        for (int i = 0; i < 3; ++i)
+          for (int k = 0; k < 3; ++k) {
+            sum = sum + before[i][k] * v[i][k];
+            v[i][k].store(values[3 * i + k] + l);
+          }
+        sum.store(sums + l);
+      }
+      S* const force = force_.data() + 9 * b * B;
+      for (int l = 0; l < count; ++l)
+        for (int k = 0; k < 3; ++k) {
+          force[9 * l + 3 * k] = -values[k][l];
+          force[9 * l + 3 * k + 1] = -values[3 + k][l];
+          force[9 * l + 3 * k + 2] = values[6 + k][l];
+        }
+    });
+  }
+
+  /// The rest of a step of conjugate gradients in the form of Chronopoulos and Gear (1989), which needs one pass over
+  /// the faces and one over the edges. Returns the new r' P r.
+  double step(S alpha, S beta) {
+    return reduce(edges_, [&](std::int64_t b, EdgeBlock& e, S(&sums)[B]) {
+      S w[3][B], z[3][B];
+      gather(b, w, Parity::odd);
+      precondition(e, z);
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < B; ++l) {
+          e.p[k][l] = z[k][l] + beta * e.p[k][l];
+          e.s[k][l] = w[k][l] + beta * e.s[k][l];
+          e.x[k][l] += alpha * e.p[k][l];
+          e.r[k][l] -= alpha * e.s[k][l];
+        }
+      precondition(e, z);
+      finish(b, e, z, sums);
+    });
+  }
+
+  /// u += x.
+  template <class T>
+  void add_solution(EdgeValues<T>& u) const {
+    parallel_for(edge_count_, [&](std::int64_t i) {
+      const EdgeBlock& e = edges_[static_cast<std::size_t>(i / B)];
+      for (int k = 0; k < 3; ++k) u(k, i) += static_cast<T>(e.x[k][i % B]);
+    });
   }
 
  private:
-  struct BadFace {
-    Index face = none;
-    Eigen::Matrix<S, 6, 6> inverse = Eigen::Matrix<S, 6, 6>::Zero();  // corners, then edges, each as its edge runs
-    Eigen::Matrix<S, 3, 1> edges = Eigen::Matrix<S, 3, 1>::Zero();    // its part of the result
+  /// Faces or edges that are worked on together, one array per quantity, so that loops over them become SIMD code.
+  static constexpr int B = 64;
+  using Lanes = kernels::Pack<S, 16 / static_cast<int>(sizeof(S)), kernels::isa::Sse2>;
+  struct FaceBlock {
+    S p[3][B], stiffness[B], inverse[6][B];
   };
-  struct BadEdge {
-    Index edge;
-    Index slots[2];  // 3 * (place in bad_) + halfedge, or none
+  struct EdgeBlock {
+    S p[3][B], s[3][B], x[3][B], r[3][B], inverse[6][B];
   };
+  /// Which of three values change sign when an edge is seen from its other face: the last two (d and R, or [m d] and
+  /// [m R]), or none ([d d], [d R], [R R]).
+  enum class Parity { odd, mixed = odd, even };
 
-  static S inverse(S x) { return x > S(0) ? S(1) / x : S(0); }
+  static std::size_t blocks(Index n) { return static_cast<std::size_t>((n + B - 1) / B); }
+  static int size_of(std::int64_t b, Index n) { return static_cast<int>(std::min<std::int64_t>(B, n - b * B)); }
 
-  [[nodiscard]] S edge_mass(Index e) const {
-    const Index h = mesh_.halfedge(e), g = mesh_.twin(h);
-    return own_mass(h) + (g == none ? S(0) : own_mass(g));
+  template <class Block, class Body>
+  static void each(std::vector<Block>& all, Body&& body) {
+    parallel_for(
+        static_cast<std::int64_t>(all.size()), [&](std::int64_t b) { body(b, all[static_cast<std::size_t>(b)]); }, 16);
   }
 
-  void collect_bad_faces(double block_above) {
-    for (Index t = 0; t < mesh_.faces(); ++t)
-      if (cot_[3 * t] + cot_[3 * t + 1] + cot_[3 * t + 2] > block_above) bad_.push_back({.face = t});
-    std::vector<Index> place(bad_.empty() ? 0 : static_cast<std::size_t>(mesh_.faces()), none);
-    for (std::size_t b = 0; b < bad_.size(); ++b) place[static_cast<std::size_t>(bad_[b].face)] = static_cast<Index>(b);
-    parallel_for(static_cast<std::int64_t>(bad_.size()),
-                 [&](std::int64_t b) { invert(bad_[static_cast<std::size_t>(b)]); });
-    for (std::size_t b = 0; b < bad_.size(); ++b)
-      for (Index k = 0; k < 3; ++k) {
-        const Index h = 3 * bad_[b].face + k, g = mesh_.twin(h);
-        const Index other = g == none ? none : place[static_cast<std::size_t>(g / 3)];
-        if (other != none && other < static_cast<Index>(b)) continue;  // listed by the other face
-        bad_edges_.push_back(
-            {mesh_.edge(h), {static_cast<Index>(3 * b) + k, other == none ? none : 3 * other + g % 3}});
-      }
-  }
-
-  // The inverse of the system's 6 x 6 block of one face, in double: slivers leave float nothing.
-  void invert(BadFace& f) const {
-    const Index h = 3 * f.face;
-    const double cot[3] = {double(cot_[h]), double(cot_[h + 1]), double(cot_[h + 2])};
-    const kernels::Symmetric3<double> w = kernels::whitney_mass(cot);
-    Eigen::Matrix3d W;
-    Eigen::Matrix<double, 3, 6> T = Eigen::Matrix<double, 3, 6>::Zero();  // tau of the six unknowns
-    for (Index k = 0; k < 3; ++k) {
-      W(k, k) = w.diagonal[k];
-      W(k, (k + 1) % 3) = W((k + 1) % 3, k) = w.off[k];
-      T(k, k) = -1;
-      T(k, (k + 1) % 3) = 1;
-      T(k, 3 + k) = hold_rho_ ? 0.0 : mesh_.canonical(h + k) ? 1.0 : -1.0;
-    }
-    Eigen::Matrix<double, 6, 6> A = T.transpose() * W * T;
-    for (Index k = 0; k < 3; ++k) {
-      const Index e = mesh_.edge(h + k), next = (k + 1) % 3;
-      const double jump = double(weight_[e]) / 6;
-      A(k, k) += 2 * jump;
-      A(next, next) += 2 * jump;
-      A(k, next) += jump;
-      A(next, k) += jump;
-      A(3 + k, 3 + k) += hold_rho_ ? 1.0 : double(edge_mass(e)) - w.diagonal[k];
-    }
-    // A boundary can leave a block singular by one gauge angle; a trace of the diagonal makes it invertible.
-    A.diagonal() *= 1 + 1e-12;
-    f.inverse = A.ldlt().solve(Eigen::Matrix<double, 6, 6>::Identity()).template cast<S>();
-  }
-
-  [[nodiscard]] S own_mass(Index h) const { return (cot_[h] + cot_[Mesh::next(h)] + 3 * cot_[Mesh::prev(h)]) / 12; }
-
-  // From tau and the jump forces of a face's halfedges to the forces on its corners; returns X' out.X.
-  double finish_face(Index h, const S (&tau)[3], const S (&jump_tail)[3], const S (&jump_tip)[3], const S* X,
-                     Correction<S>& out) {
-    const S cot[3] = {cot_[h], cot_[h + 1], cot_[h + 2]};
-    S force[3];
-    kernels::multiply(kernels::whitney_mass(cot), tau, force);
-    double sum = 0;
-    for (Index k = 0; k < 3; ++k) {
-      const Index before = (k + 2) % 3;
-      tau_force_[h + k] = force[k];
-      out.X[h + k] = force[before] - force[k] + jump_tail[k] + jump_tip[before];
-      sum += double(X[h + k]) * double(out.X[h + k]);
-    }
-    return sum;
-  }
-
-  // Forces on the edges; returns R' out.R.
-  double finish_edges(const S* R, Correction<S>& out) {
-    return parallel_reduce(
-        hold_rho_ ? std::int64_t{0} : std::int64_t{mesh_.edges()}, 0.0,
-        [&](std::int64_t begin, std::int64_t end) {
-          double sum = 0;
-          for (std::int64_t e = begin; e < end; ++e) {
-            const Index h = mesh_.halfedge(static_cast<Index>(e)), g = mesh_.twin(h);
-            const S force = g == none ? tau_force_[h] : tau_force_[h] - tau_force_[g];
-            sum += double(R[e]) * double(force);
-            out.R[e] = force;
-          }
-          return sum;
+  /// Sum over fixed chunks of blocks, lane by lane within a chunk: bitwise independent of threads.
+  template <class Block, class Body>
+  static double reduce(std::vector<Block>& all, Body&& body) {
+    constexpr std::int64_t chunk = reduction_chunk / B;
+    const auto count = static_cast<std::int64_t>(all.size());
+    std::vector<double> partial(static_cast<std::size_t>((count + chunk - 1) / chunk));
+    parallel_for(
+        static_cast<std::int64_t>(partial.size()),
+        [&](std::int64_t c) {
+          S sums[B] = {};
+          for (std::int64_t b = c * chunk; b < std::min(count, (c + 1) * chunk); ++b)
+            body(b, all[static_cast<std::size_t>(b)], sums);
+          double total = 0;
+          for (const S s : sums) total += double(s);
+          partial[static_cast<std::size_t>(c)] = total;
         },
-        [](double a, double b) { return a + b; });
+        1);
+    double total = 0;
+    for (const double p : partial) total += p;
+    return total;
   }
 
-  const Mesh& mesh_;
-  const VectorX<S>& cot_;
-  const VectorX<S>& weight_;
-  bool hold_rho_;
-  VectorX<S> tau_force_;
-  Correction<S> scale_;
-  std::vector<BadFace> bad_;
-  std::vector<BadEdge> bad_edges_;
+  static FaceCoefficients<Lanes> coefficients(const FaceBlock& f, int l) {
+    FaceCoefficients<Lanes> c;
+    for (int k = 0; k < 3; ++k) c.p[k] = Lanes::load(f.p[k] + l);
+    for (int k = 0; k < 6; ++k) c.inverse[k] = Lanes::load(f.inverse[k] + l);
+    c.stiffness = Lanes::load(f.stiffness + l);
+    return c;
+  }
+
+  // Sum over both faces of what force_ holds for the edges of block b.
+  void gather(std::int64_t b, S (&w)[3][B], Parity parity) const {
+    const S sign = parity == Parity::odd ? S(-1) : S(1);
+    const int count = size_of(b, edge_count_);
+    const Index* const side = sides_.data() + 2 * b * B;
+    for (int l = 0; l < count; ++l) {
+      const S* const here = force_.data() + 3 * std::int64_t{side[2 * l]};
+      const S* const there = force_.data() + 3 * std::int64_t{side[2 * l + 1]};
+      w[0][l] = here[0] + there[0];
+      w[1][l] = here[1] + sign * there[1];
+      w[2][l] = here[2] + sign * there[2];
+    }
+    for (int l = count; l < B; ++l) w[0][l] = w[1][l] = w[2][l] = 0;
+  }
+
+  static void precondition(const EdgeBlock& e, S (&z)[3][B]) {
+    for (int l = 0; l < B; ++l) {
+      z[0][l] = e.inverse[0][l] * e.r[0][l] + e.inverse[1][l] * e.r[1][l] + e.inverse[2][l] * e.r[2][l];
+      z[1][l] = e.inverse[1][l] * e.r[0][l] + e.inverse[3][l] * e.r[1][l] + e.inverse[4][l] * e.r[2][l];
+      z[2][l] = e.inverse[2][l] * e.r[0][l] + e.inverse[4][l] * e.r[1][l] + e.inverse[5][l] * e.r[2][l];
+    }
+  }
+
+  // Adds r' z and hands z to the faces.
+  void finish(std::int64_t b, const EdgeBlock& e, const S (&z)[3][B], S (&sums)[B]) {
+    for (int l = 0; l < B; ++l) sums[l] += z[0][l] * e.r[0][l] + z[1][l] * e.r[1][l] + z[2][l] * e.r[2][l];
+    S* const out = z_.data() + 3 * b * B;
+    const int count = size_of(b, edge_count_);
+    for (int l = 0; l < count; ++l)
+      for (int k = 0; k < 3; ++k) out[3 * l + k] = z[k][l];
+  }
+
+  // What each halfedge's own unknowns do to themselves through its face: [m m] [m d] [m R] in part 0, [d d] [d R] [R R]
+  // in part 1.
+  void own_blocks(std::int64_t b, const FaceBlock& f, int part) {
+    const int count = size_of(b, face_count_);
+    for (int l = 0; l < count; l += Lanes::size) {
+      const FaceCoefficients<Lanes> c = coefficients(f, l);
+      for (int k = 0; k < 3; ++k) {
+        // The face sees -m, -d and R, and answers with -(force on m), -(force on d) and the force on R.
+        const auto column = [&](int unknown) {
+          Lanes v[3][3];
+          for (auto& row : v)
+            for (Lanes& value : row) value = S(0);
+          v[unknown][k] = unknown == 2 ? S(1) : S(-1);
+          relax(c, v[0], v[1], v[2]);
+          return std::array<Lanes, 3>{-v[0][k], -v[1][k], v[2][k]};
+        };
+        std::array<Lanes, 3> entry = column(part);
+        if (part == 1) entry = {entry[1], entry[2], column(2)[2]};
+        for (int lane = 0; lane < Lanes::size && l + lane < count; ++lane)
+          for (int i = 0; i < 3; ++i) {
+            const auto at = static_cast<std::size_t>(3 * (3 * (b * B + l + lane) + k) + i);
+            force_[at] = entry[static_cast<std::size_t>(i)][lane];
+          }
+      }
+    }
+  }
+
+  Index face_count_, edge_count_;
+  std::vector<FaceBlock> faces_;
+  std::vector<EdgeBlock> edges_;
+  std::vector<Index> slot_;   // edge of each halfedge, complemented where it runs against the canonical one
+  std::vector<Index> sides_;  // both halfedges of each edge; beyond the boundary the one after the last
+  std::vector<S> force_, z_;  // three per halfedge (one more stays zero), three per edge
 };
 
-/// Preconditioned conjugate gradients for A x = residual from x = 0, until the norm r' P r has fallen by `reduction`
-/// squared or `max_iterations` are done; `residual` is overwritten. Returns the iterations.
+/// Preconditioned conjugate gradients from x = 0 until r' P r has fallen by `reduction` squared or `max_iterations` are
+/// done. Returns the iterations.
 template <class S>
-int conjugate_gradients(CorrectionSystem<S>& system, Correction<S>& residual, double reduction, int max_iterations,
-                        Correction<S>& x) {
-  x = system.zeros();
-  Correction<S> p = system.zeros(), q = system.zeros(), z = system.zeros();
-  double square = system.precondition(residual, z);
+int conjugate_gradients(CorrectionSystem<S>& system, double square, double reduction, int max_iterations) {
   const double target = square * reduction * reduction;
-  double beta = 0;
+  double beta = 0, alpha = 0;
   int iteration = 0;
   while (square > target && iteration < max_iterations) {
-    const auto direct = [b = static_cast<S>(beta)](const VectorX<S>& zv, VectorX<S>& v) {
-      parallel_for(v.size(), [&](std::int64_t i) { v[i] = zv[i] + b * v[i]; });
-    };
-    direct(z.X, p.X);
-    direct(z.R, p.R);
-    const double curvature = system.apply(p, q);
+    double curvature = system.apply();
+    if (iteration > 0) curvature -= beta * square / alpha;
     if (!(curvature > 0)) break;  // rounding has used up the search directions
-    const auto step = [a = static_cast<S>(square / curvature)](const VectorX<S>& pv, const VectorX<S>& qv,
-                                                               VectorX<S>& xv, VectorX<S>& rv) {
-      parallel_for(rv.size(), [&](std::int64_t i) {
-        xv[i] += a * pv[i];
-        rv[i] -= a * qv[i];
-      });
-    };
-    step(p.X, q.X, x.X, residual.X);
-    step(p.R, q.R, x.R, residual.R);
-    const double next = system.precondition(residual, z);
+    alpha = square / curvature;
+    const double next = system.step(static_cast<S>(alpha), static_cast<S>(beta));
     beta = next / square;
     square = next;
     ++iteration;
