@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+//
+// design.cpp: editing a design live: preparing the system, the answer to a target that was moved, and to a stroke of 40
+// points that was moved. The paper reports 5 s for the factorisation and 0.5 s for a solve at 50K triangles (LTGD 2016,
+// Sec. 8.3).
+#include "alcap/designer.h"
+#include "perf/common.h"
+
+namespace {
+
+using namespace alcap;
+using perf::Prepared;
+
+Designer make_designer(const Prepared& p, const Connection<double>& c) {
+  Designer designer(p.mesh, p.surface.V, p.geometry, c, {.n = 4, .guidance_weight = 0.1});
+  (void)designer.add(SingularityTarget{.face = p.mesh.faces() / 3, .sign = -1, .orientation = 0.2});
+  return designer;
+}
+
+// 40 points along edges, from vertex to vertex.
+Stroke forty_points(const Prepared& p, Index start) {
+  Stroke stroke;
+  Index h = start;
+  while (stroke.points.size() < 40) {
+    SurfacePoint point{Mesh::face(h), {}};
+    point.barycentric[static_cast<std::size_t>(h % 3)] = 1;
+    stroke.points.push_back(point);
+    // Straight on: the third halfedge that leaves the tip, counted from the way back.
+    const Index back = p.mesh.twin(h);
+    Index next = back == none ? Mesh::next(h) : back;
+    for (int turn = 0; turn < 3 && next != none; ++turn) next = p.mesh.twin(Mesh::prev(next));
+    h = next == none ? Mesh::next(h) : next;
+  }
+  return stroke;
+}
+
+void declare(const perf::Plan& plan) {
+  perf::add(plan, "design_prepare", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
+    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
+    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(make_designer(p, c).solve()); });
+  });
+  perf::add(plan, "design_target", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
+    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
+    Designer designer = make_designer(p, c);
+    const ControlId id = designer.add(SingularityTarget{.face = 7});
+    DesignResult result = designer.solve();
+    double angle = 0;
+    perf::timed(state, threads, [&] {
+      designer.set(id, SingularityTarget{.face = 7, .orientation = angle += 0.01});
+      result = designer.solve();
+    });
+    state.counters["residual"] = result.residual;
+  });
+  perf::add(plan, "design_stroke", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
+    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
+    Designer designer = make_designer(p, c);
+    Index start = 3 * (p.mesh.faces() / 2);
+    const ControlId id = designer.add(forty_points(p, start));
+    DesignResult result = designer.solve();
+    perf::timed(state, threads, [&] {
+      designer.set(id, forty_points(p, start += 3));
+      result = designer.solve();
+    });
+    state.counters["residual"] = result.residual;
+    state.counters["rows"] = result.rows;
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return perf::run(argc, argv, declare); }

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: MIT
+//
+// pipeline.cpp: the phases between a file and a field, and the whole of it in memory.
+#include <filesystem>
+
+#include "alcap/mesh_io.h"
+#include "alcap/pipeline.h"
+#include "perf/common.h"
+
+namespace {
+
+using namespace alcap;
+using perf::Prepared;
+
+void read(benchmark::State& state, const Prepared& p, int threads, const std::string& extension) {
+  const std::filesystem::path path = std::filesystem::temp_directory_path() / ("alcap_perf_read." + extension);
+  write_mesh(path, p.surface.V, p.surface.F);
+  perf::timed(state, threads, [&] { benchmark::DoNotOptimize(read_mesh(path)); });
+  perf::bandwidth(state, double(std::filesystem::file_size(path)));
+  std::filesystem::remove(path);
+}
+
+void declare(const perf::Plan& plan) {
+  for (const std::string extension : {"ply", "obj", "off"})
+    perf::add(
+        plan, "read", "backend:" + extension,
+        [extension](benchmark::State& state, const Prepared& p, int threads) { read(state, p, threads, extension); });
+  perf::add(plan, "halfedges", "", [](benchmark::State& state, const Prepared& p, int threads) {
+    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(Mesh(p.surface.F, p.surface.V.rows())); });
+  });
+  perf::add(plan, "topology", "", [](benchmark::State& state, const Prepared& p, int threads) {
+    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(find_topology(p.mesh)); });
+  });
+  perf::add(plan, "geometry", "", [](benchmark::State& state, const Prepared& p, int threads) {
+    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(Geometry<double>(p.mesh, p.surface.V)); });
+  });
+  perf::add(plan, "frames", "", [](benchmark::State& state, const Prepared& p, int threads) {
+    const Connection<double> c = polar(p.mesh, p.geometry);
+    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(vertex_frames(p.mesh, p.surface.V, c)); });
+  });
+  for (const int n : plan.degrees)
+    perf::add(plan, "field", "n:" + std::to_string(n), [n](benchmark::State& state, const Prepared& p, int threads) {
+      FieldRun run;
+      perf::timed(state, threads,
+                  [&] { run = run_field(p.surface.V, p.surface.F, {.n = n, .eigen = {.tolerance = 1e-6}}); });
+      const StiffnessMass<double> s =
+          stiffness_and_mass(run.mesh, HermitianPattern(run.mesh), run.geometry, run.connection, n);
+      state.counters["residual"] = perf::eigen_residual(s.S, s.M, run.field.u);
+      state.counters["iterations"] = run.eigen[0].iterations;
+      state.counters["mesh s"] = run.times.mesh;
+      state.counters["connection s"] = run.times.connection;
+      state.counters["assembly s"] = run.times.assembly;
+      state.counters["eigen s"] = run.times.eigen;
+      state.counters["analysis s"] = run.times.analysis;
+    });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return perf::run(argc, argv, declare); }
