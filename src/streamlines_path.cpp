@@ -21,7 +21,8 @@ constexpr double smallest_step = 1e-10;
 // So many crossings without the progress of one smallest step: more than any ring of a vertex needs, because a curve
 // that close to a vertex goes through it.
 constexpr int patience = 4096;
-// A remaining way this short, relative to the step, is made up with the curvature of the step: third order is enough.
+// A remaining way this short, relative to the step, is made up with the curvature of the step, at the tolerance 1e-6;
+// its error is of third order.
 constexpr double last_bit = 0.02;
 
 std::size_t at(Index c) { return static_cast<std::size_t>(c % 3); }
@@ -29,7 +30,9 @@ std::size_t at(Index c) { return static_cast<std::size_t>(c % 3); }
 class Tracer {
  public:
   Tracer(const Flow& flow, int sign, const PathLimits& limits, const Guard& guard)
-      : flow_(flow), mesh_(flow.mesh()), sign_(sign), limits_(limits), guard_(guard) {}
+      : flow_(flow), mesh_(flow.mesh()), sign_(sign), limits_(limits), guard_(guard) {
+    last_bit_ = last_bit * std::min(1.0, std::cbrt(limits.tolerance / 1e-6));
+  }
 
   Path run(const SurfacePoint& start, const Cplx& v) {
     chart_ = flow_.chart(start.face, sign_);
@@ -65,6 +68,11 @@ class Tracer {
   bool end(CurveEnd reason) {
     path_.end = reason;
     return false;
+  }
+  /// The same, unless the guard does not let the curve come here.
+  bool end_if_allowed(CurveEnd reason) {
+    const bool allowed = !(limits_.sample_step > 0) || arc_ == 0 || guard_(chart_, b_, v_, arc_);
+    return end(allowed ? reason : CurveEnd::separation);
   }
   void record() {
     PathPoint& last = path_.points.back();
@@ -160,7 +168,7 @@ class Tracer {
     for (Index c = 0; c < 3; ++c) {
       const double r0 = rate(c), r1 = dot(chart_.grad[c], v), b = to[at(c)];
       if (b < 0) {
-        if (r1 < 0 && b >= last_bit * h * r1) continue;
+        if (r1 < 0 && b >= last_bit_ * h * r1) continue;
         shorter = std::min(shorter, r1 < 0 ? std::clamp(h - b / r1, 0.1 * h, 0.97 * h) : 0.5 * h);
       } else if (r0 < 0 && r1 > 0) {
         const double lowest = -r0 * h / (r1 - r0);
@@ -173,7 +181,7 @@ class Tracer {
   /// When the step ended at an edge but for the last bit, goes there: the corner opposite to the edge.
   std::optional<Index> finish(const Cplx& v_from, double h) {
     std::optional<Index> exit;
-    double ahead = last_bit * h;
+    double ahead = last_bit_ * h;
     for (Index c = 0; c < 3; ++c)
       if (rate(c) < 0 && -b_[at(c)] / rate(c) <= ahead) {
         exit = c;
@@ -224,8 +232,8 @@ class Tracer {
   /// What ends a curve inside a face.
   bool may_stay() {
     if (const Singularity* zero = flow_.zero_in(chart_.face); zero && distance(*zero) <= limits_.zero_radius)
-      return end(CurveEnd::singularity);
-    if (arc_ >= limits_.length * (1 - 1e-12)) return end(CurveEnd::length);
+      return end_if_allowed(CurveEnd::singularity);
+    if (arc_ >= limits_.length * (1 - 1e-12)) return end_if_allowed(CurveEnd::length);
     if (limits_.sample_step > 0 && arc_ >= next_sample_ - 1e-3 * limits_.sample_step) {
       if (!guard_(chart_, b_, v_, arc_)) return end(CurveEnd::separation);
       next_sample_ = arc_ + limits_.sample_step;
@@ -238,12 +246,12 @@ class Tracer {
   /// From the edge opposite to `corner` into the next face; false when the curve has ended.
   bool leave(Index corner) {
     record();
-    if (arc_ >= limits_.length * (1 - 1e-12)) return end(CurveEnd::length);
+    if (arc_ >= limits_.length * (1 - 1e-12)) return end_if_allowed(CurveEnd::length);
     const Index h = 3 * chart_.face + (corner + 1) % 3;
     const double s = b_[at(corner + 2)];
     if (s <= at_vertex) return through_vertex((corner + 1) % 3);
     if (1 - s <= at_vertex) return through_vertex((corner + 2) % 3);
-    if (mesh_.twin(h) == none) return end(CurveEnd::boundary);
+    if (mesh_.twin(h) == none) return end_if_allowed(CurveEnd::boundary);
     if (came_back(h, s)) return end(CurveEnd::loop);
     enter(h, s);
     const Index g = mesh_.twin(h);
@@ -328,7 +336,7 @@ class Tracer {
       }
     });
     constexpr double along_edge = 1e-9;  // radians
-    if (mesh_.boundary_vertex(vertex) && excess > along_edge) return end(CurveEnd::boundary);
+    if (mesh_.boundary_vertex(vertex) && excess > along_edge) return end_if_allowed(CurveEnd::boundary);
     chart_ = flow_.chart(Mesh::face(best), sign_);
     b_ = on_halfedge(best, 0);
     settle(kernels::unit(angle - rho_t[best]));
@@ -351,7 +359,7 @@ class Tracer {
   FaceChart chart_;
   Barycentric b_{};
   Cplx v_{1, 0}, seed_{0, 0}, seed_v_{1, 0};
-  double arc_ = 0, next_sample_ = 0, trial_ = 0;
+  double arc_ = 0, next_sample_ = 0, trial_ = 0, last_bit_ = 0;
   std::unordered_map<Index, std::vector<Crossed>> crossings_;
 };
 

@@ -26,9 +26,10 @@ std::vector<double> outward_angles(const FaceChart& chart, int n, const Singular
   };
   std::vector<double> angles;
   const double step = 2 * pi<double> / places;
-  double before = mismatch(0);
+  const double first = mismatch(0);
+  double before = first;
   for (int k = 0; k < places; ++k) {
-    const double after = mismatch((k + 1) * step);
+    const double after = k + 1 == places ? first : mismatch((k + 1) * step);
     // A change of sign, and not the jump of wrap().
     if ((before < 0) != (after < 0) && std::abs(after - before) < pi<double>) {
       double low = k * step, high = (k + 1) * step;
@@ -54,10 +55,7 @@ Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi
     return curve;
   }
   const Path path = trace_path(flow, way.back(), kernels::unit(phi) * turned, sign, limits);
-  for (std::size_t k = 0; k < way.size(); ++k) {
-    // straight_on gives points in the face before them; the first one is followed by a segment in its own face.
-    curve.points.push_back(way[k]);
-  }
+  curve.points = way;
   for (std::size_t k = 1; k < path.points.size(); ++k) curve.points.push_back({path.points[k].face, path.points[k].b});
   curve.end = path.end;
   return curve;
