@@ -177,14 +177,28 @@ DesignFixed read_fixed(const Node& node) {
   if (const auto x = node.find("direction")) f.direction = x->triple();
   if (const auto x = node.find("angle")) f.angle = x->number();
   if (const auto x = node.find("relative_to")) f.relative_to = x->triple();
-  if (const auto x = node.find("length")) f.length = x->number();
+  if (const auto x = node.find("length")) {
+    if (x->is_string()) {
+      constexpr Named<bool> names[] = {{"free", true}};
+      f.free_length = pick(*x, names);
+    } else {
+      f.length = x->number();
+    }
+  }
   return f;
 }
 
 DesignStroke read_stroke(const Node& node) {
-  node.keys({"name", "points", "weight"});
+  node.keys({"name", "points", "vertices", "path", "weight", "radius"});
   DesignStroke s{.name = read_name(node)};
-  for (const Node& p : node.at("points").list()) {
+  const auto points = node.find("points"), vertices = node.find("vertices"), path = node.find("path");
+  if (int(points.has_value()) + int(vertices.has_value()) + int(path.has_value()) != 1)
+    node.fail("needs one of the keys points, vertices and path");
+  if (vertices)
+    for (const Node& v : vertices->list()) s.vertices.push_back(v.whole<Index>());
+  if (path)
+    for (const Node& p : path->list()) s.path.push_back(p.triple());
+  for (const Node& p : points ? points->list() : std::vector<Node>{}) {
     p.keys({"face", "barycentric", "at"});
     DesignPoint point;
     read_place(p, "face", point.face, point.at);
@@ -194,11 +208,27 @@ DesignStroke read_stroke(const Node& node) {
     s.points.push_back(point);
   }
   if (const auto x = node.find("weight")) s.weight = x->number();
+  if (const auto x = node.find("radius")) s.radius = x->number();
   return s;
 }
 
+DesignBoundary read_boundary(const Node& node) {
+  node.keys({"align", "weight"});
+  constexpr Named<bool> names[] = {{"tangent", false}, {"normal", true}};
+  DesignBoundary b{.wanted = true, .normal = pick(node.at("align"), names)};
+  if (const auto x = node.find("weight")) b.weight = x->number();
+  return b;
+}
+
+/// Turns: numbers or fractions.
+std::vector<double> read_turns(const Node& node) {
+  std::vector<double> turns;
+  for (const Node& x : node.list()) turns.push_back(cone_index(x));
+  return turns;
+}
+
 DesignConnection read_connection(const Node& node) {
-  node.keys({"kind", "detail", "cones"});
+  node.keys({"kind", "detail", "cones", "balance", "holonomy", "loops"});
   DesignConnection c;
   enum class Kind { global, local, polar, barycenter, trivial };
   constexpr Named<Kind> names[] = {{"global", Kind::global},
@@ -219,16 +249,24 @@ DesignConnection read_connection(const Node& node) {
       c.cones.push_back({.vertex = cone.at("vertex").whole<Index>(), .index = cone_index(cone.at("index"))});
     }
   }
+  if (const auto x = node.find("balance")) {
+    if (!x->is_bool()) x->fail("must be true or false");
+    c.balance = x->boolean();
+  }
+  if (const auto x = node.find("holonomy")) c.holonomy = read_turns(*x);
+  if (const auto x = node.find("loops")) c.loops = read_turns(*x);
   return c;
 }
 
 DesignGuidance read_guidance(const Node& node, const std::filesystem::path& folder) {
-  node.keys({"field", "file", "weight"});
+  node.keys({"field", "file", "weight", "t", "weights"});
   DesignGuidance g;
   const auto field = node.find("field"), file = node.find("file");
   if (field.has_value() == file.has_value()) node.fail("needs either field or file");
   if (field) {
     constexpr Named<DesignGuidance::Source> names[] = {{"smoothest", DesignGuidance::Source::smoothest},
+                                                       {"curvature", DesignGuidance::Source::curvature},
+                                                       {"least-curvature", DesignGuidance::Source::least_curvature},
                                                        {"zero", DesignGuidance::Source::zero}};
     g.source = pick(*field, names);
   } else {
@@ -238,12 +276,18 @@ DesignGuidance read_guidance(const Node& node, const std::filesystem::path& fold
     g.file = folder / text;
   }
   if (const auto x = node.find("weight")) g.weight = x->number();
+  if (const auto x = node.find("t")) {
+    g.t = x->number();
+    if (node.find("weight")) x->fail("goes instead of weight");
+  }
+  if (const auto x = node.find("weights"))
+    for (const Node& w : x->list()) g.weights.push_back(w.number());
   return g;
 }
 
 DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
-  node.keys({"$schema", "alcap_design", "comment", "mesh", "n", "connection", "guidance", "singularities", "fixed",
-             "strokes"});
+  node.keys({"$schema", "alcap_design", "comment", "mesh", "n", "method", "s", "connection", "guidance",
+             "singularities", "fixed", "strokes", "boundary"});
   if (const auto version = node.at("alcap_design"); version.whole<int>() != design_version)
     version.fail("this alcap reads version " + std::to_string(design_version));
   if (const auto x = node.find("$schema")) (void)x->text();
@@ -254,6 +298,13 @@ DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
     design.mesh = DesignMesh{x->at("vertices").whole<std::int64_t>(), x->at("faces").whole<std::int64_t>()};
   }
   design.n = node.at("n").whole<int>();
+  if (const auto x = node.find("method")) {
+    constexpr Named<DesignMethod> names[] = {{"variational", DesignMethod::variational},
+                                             {"eigen", DesignMethod::eigen}};
+    design.method = pick(*x, names);
+  }
+  if (const auto x = node.find("s")) design.s = x->number();
+  if (const auto x = node.find("boundary")) design.boundary = read_boundary(*x);
   if (const auto x = node.find("connection")) design.connection = read_connection(*x);
   if (const auto x = node.find("guidance")) design.guidance = read_guidance(*x, folder);
   if (const auto x = node.find("singularities"))

@@ -92,17 +92,80 @@ void check(const std::string& path, const DesignFixed& f) {
     if (!f.angle) throw Problem{path + "/relative_to", text(*f.relative_to), "goes with angle"};
   }
   check_positive(path + "/length", f.length);
+  if (f.free_length && f.length != 1)
+    throw Problem{path + "/length", number_text(f.length), "a length that is free has no value"};
 }
 
 void check(const std::string& path, const DesignStroke& s) {
-  if (s.points.size() < 2)
+  if (int(!s.points.empty()) + int(!s.vertices.empty()) + int(!s.path.empty()) > 1)
+    throw Problem{path, "two courses", "needs one of points, vertices and path"};
+  if (!s.vertices.empty()) {
+    if (s.vertices.size() < 2) throw Problem{path + "/vertices", "1 vertex", "a stroke has at least two"};
+    for (std::size_t k = 0; k < s.vertices.size(); ++k)
+      if (s.vertices[k] < 0)
+        throw Problem{path + "/vertices/" + std::to_string(k), std::to_string(s.vertices[k]), "must not be negative"};
+  } else if (!s.path.empty()) {
+    if (s.path.size() < 2) throw Problem{path + "/path", "1 point", "a stroke has at least two"};
+    for (std::size_t k = 0; k < s.path.size(); ++k) check_point(path + "/path/" + std::to_string(k), s.path[k]);
+  } else if (s.points.size() < 2) {
     throw Problem{path + "/points", std::to_string(s.points.size()) + " points", "a stroke has at least two"};
+  }
   for (std::size_t k = 0; k < s.points.size(); ++k) {
     const std::string at = path + "/points/" + std::to_string(k);
     check_place(at, "face", s.points[k].face, s.points[k].at);
     if (!s.points[k].at) check_barycentric(at + "/barycentric", s.points[k].barycentric);
   }
   check_positive(path + "/weight", s.weight);
+  if (!(s.radius >= 0) || !std::isfinite(s.radius))
+    throw Problem{path + "/radius", number_text(s.radius), "must be finite and not negative"};
+}
+
+void check_turns(const std::string& path, const std::vector<double>& turns, int n) {
+  for (std::size_t k = 0; k < turns.size(); ++k) {
+    const double count = turns[k] * n;
+    if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
+      throw Problem{path + "/" + std::to_string(k), number_text(turns[k]),
+                    "must be a multiple of 1/n = 1/" + std::to_string(n)};
+  }
+}
+
+void check(const DesignGuidance& g, int n) {
+  using Source = DesignGuidance::Source;
+  if (g.source == Source::none) return;
+  check_positive("/guidance/weight", g.weight);
+  if (g.source == Source::file && g.file.empty()) throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
+  if ((g.source == Source::curvature && n % 2 != 0) || (g.source == Source::least_curvature && n != 2))
+    throw Problem{"/guidance/field", std::string("\"") + name(g.source) + "\"",
+                  g.source == Source::curvature
+                      ? "principal directions are lines: n must be even, and here it is " + std::to_string(n)
+                      : "is for n = 2, and here n = " + std::to_string(n)};
+  if (g.t) {
+    check_finite("/guidance/t", *g.t);
+    if (g.weight != 1) throw Problem{"/guidance/t", number_text(*g.t), "goes instead of weight"};
+    if (!g.weights.empty()) throw Problem{"/guidance/t", number_text(*g.t), "weights per vertex go with weight"};
+  }
+  double sum = 0;
+  for (std::size_t k = 0; k < g.weights.size(); ++k) {
+    if (!(g.weights[k] >= 0) || !std::isfinite(g.weights[k]))
+      throw Problem{"/guidance/weights/" + std::to_string(k), number_text(g.weights[k]),
+                    "must be finite and not negative"};
+    sum += g.weights[k];
+  }
+  if (!g.weights.empty() && !(sum > 0)) throw Problem{"/guidance/weights", "all 0", "one at least must be positive"};
+}
+
+void check_eigen(const DesignFile& design) {
+  const auto refuse = [](const std::string& path, const std::string& value) {
+    throw Problem{path, value, "goes with the variational method, and here it is eigen"};
+  };
+  if (design.guidance.source != DesignGuidance::Source::none) refuse("/guidance", name(design.guidance.source));
+  if (!design.fixed.empty()) refuse("/fixed", std::to_string(design.fixed.size()) + " vertices");
+  if (design.boundary.wanted) refuse("/boundary", design.boundary.normal ? "normal" : "tangent");
+  for (std::size_t k = 0; k < design.singularities.size(); ++k)
+    if (design.singularities[k].pin) refuse("/singularities/" + std::to_string(k) + "/pin", "true");
+  for (std::size_t k = 0; k < design.strokes.size(); ++k)
+    if (design.strokes[k].radius > 0)
+      refuse("/strokes/" + std::to_string(k) + "/radius", number_text(design.strokes[k].radius));
 }
 
 std::string at(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
@@ -136,9 +199,16 @@ void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
       if (design.fixed[j].vertex == design.fixed[k].vertex)
         throw Problem{at("fixed", k) + "/vertex", std::to_string(design.fixed[k].vertex), "is fixed twice"};
   }
-  for (std::size_t k = 0; k < design.strokes.size(); ++k)
+  for (std::size_t k = 0; k < design.strokes.size(); ++k) {
     for (std::size_t p = 0; p < design.strokes[k].points.size(); ++p)
       face(at("strokes", k) + "/points/" + std::to_string(p) + "/face", design.strokes[k].points[p].face);
+    for (std::size_t v = 0; v < design.strokes[k].vertices.size(); ++v)
+      vertex(at("strokes", k) + "/vertices/" + std::to_string(v), design.strokes[k].vertices[v]);
+  }
+  const auto weights = static_cast<std::int64_t>(design.guidance.weights.size());
+  if (weights > 0 && weights != mesh.vertices())
+    throw Problem{"/guidance/weights", std::to_string(weights) + " values",
+                  "needs one per vertex; the mesh has " + std::to_string(mesh.vertices())};
 }
 
 }  // namespace
@@ -152,9 +222,19 @@ void detail::check_design_values(const DesignFile& design) {
     throw Problem{"/mesh/faces", std::to_string(design.mesh->faces), "a mesh has at least one"};
   check_positive("/connection/detail", design.connection.detail);
   const bool trivial = design.connection.kind == ConnectionKind::trivial;
-  if (!trivial && !design.connection.cones.empty())
-    throw Problem{"/connection/cones", std::to_string(design.connection.cones.size()) + " cones",
-                  "only a trivial connection has cones"};
+  if (!(design.s >= -1 && design.s <= 1)) throw Problem{"/s", number_text(design.s), "must be in [-1, 1]"};
+  const auto only_trivial = [&](const char* key, const std::string& value) {
+    if (!trivial) throw Problem{std::string("/connection/") + key, value, "goes with a trivial connection"};
+  };
+  if (!design.connection.cones.empty())
+    only_trivial("cones", std::to_string(design.connection.cones.size()) + " cones");
+  if (design.connection.balance) only_trivial("balance", "true");
+  if (!design.connection.holonomy.empty())
+    only_trivial("holonomy", std::to_string(design.connection.holonomy.size()) + " values");
+  if (!design.connection.loops.empty())
+    only_trivial("loops", std::to_string(design.connection.loops.size()) + " values");
+  check_turns("/connection/holonomy", design.connection.holonomy, design.n);
+  check_turns("/connection/loops", design.connection.loops, design.n);
   for (std::size_t k = 0; k < design.connection.cones.size(); ++k) {
     const Cone& cone = design.connection.cones[k];
     if (cone.vertex < 0)
@@ -164,10 +244,9 @@ void detail::check_design_values(const DesignFile& design) {
       throw Problem{at("connection/cones", k) + "/index", number_text(cone.index),
                     "must be a multiple of 1/n = 1/" + std::to_string(design.n)};
   }
-  if (design.guidance.source != DesignGuidance::Source::none)
-    check_positive("/guidance/weight", design.guidance.weight);
-  if (design.guidance.source == DesignGuidance::Source::file && design.guidance.file.empty())
-    throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
+  check(design.guidance, design.n);
+  if (design.boundary.wanted) check_positive("/boundary/weight", design.boundary.weight);
+  if (design.method == DesignMethod::eigen) check_eigen(design);
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     check(at("singularities", k), design.singularities[k], design.n);
   for (std::size_t k = 0; k < design.fixed.size(); ++k) check(at("fixed", k), design.fixed[k]);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <optional>
 
 #include "alcap/design_file.h"
 #include "alcap/errors.h"
@@ -22,45 +23,6 @@ constexpr double degree = pi<double> / 180;
 constexpr double tangential = 1e-6;
 
 Row row(const Vector3& x) { return {x[0], x[1], x[2]}; }
-
-/// The point of the triangle a, b, c nearest to p, in barycentric coordinates: the projection to the plane where it
-/// falls inside, else the best of the three sides.
-std::array<double, 3> nearest(const Row& p, const Row (&corner)[3]) {
-  const Row u = corner[1] - corner[0], v = corner[2] - corner[0], d = p - corner[0];
-  const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), du = d.dot(u), dv = d.dot(v);
-  const double det = uu * vv - uv * uv;
-  const double s = (vv * du - uv * dv) / det, t = (uu * dv - uv * du) / det;
-  if (s >= 0 && t >= 0 && s + t <= 1) return {1 - s - t, s, t};
-  std::array<double, 3> best{1, 0, 0};
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < 3; ++k) {
-    const std::size_t next = (k + 1) % 3;
-    const Row side = corner[next] - corner[k];
-    const double x = std::clamp((p - corner[k]).dot(side) / side.squaredNorm(), 0.0, 1.0);
-    const double distance = (p - corner[k] - x * side).squaredNorm();
-    if (distance >= least) continue;
-    least = distance;
-    best = {};
-    best[k] = 1 - x;
-    best[next] = x;
-  }
-  return best;
-}
-
-SurfacePoint nearest_point(const Mesh& mesh, const Positions<double>& V, const Vector3& at) {
-  const Row p = row(at);
-  SurfacePoint best;
-  double least = std::numeric_limits<double>::infinity();
-  for (Index t = 0; t < mesh.faces(); ++t) {
-    const Row corner[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
-    const std::array<double, 3> b = nearest(p, corner);
-    const double distance = (p - b[0] * corner[0] - b[1] * corner[1] - b[2] * corner[2]).squaredNorm();
-    if (!(distance < least)) continue;
-    least = distance;
-    best = {t, b};
-  }
-  return best;
-}
 
 Index nearest_vertex(const Mesh& mesh, const Positions<double>& V, const Vector3& at) {
   Index best = none;
@@ -99,6 +61,19 @@ double swirl(SingularityKind kind) {
   return kind == SingularityKind::vortex ? 90 : kind == SingularityKind::sink ? 180 : 0;
 }
 
+SurfacePolyline traced(const std::string& path, const Mesh& mesh, const Positions<double>& V,
+                       const Geometry<double>& geometry, const DesignStroke& stroke) {
+  try {
+    if (!stroke.vertices.empty()) return stroke_along_vertices(mesh, geometry, stroke.vertices);
+    std::vector<SurfacePoint> points;
+    for (const DesignPoint& p : stroke.points) points.push_back({p.face, p.barycentric});
+    return stroke_through_points(mesh, V, geometry, points);
+  } catch (const OptionError& e) {
+    const std::string head = OptionError(e.field(), e.value(), "").what();
+    throw OptionError(path, e.field() + " " + e.value(), std::string(e.what()).substr(head.size()));
+  }
+}
+
 std::string path(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
 
 }  // namespace
@@ -116,9 +91,14 @@ std::string detail::label(const DesignStroke& s, std::size_t number) {
 DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positions<double>& V) {
   check_design(design, mesh);
   DesignFile placed = design;
+  std::optional<SurfaceLocator> locator;  // made when a point of space is met
+  const auto nearest_point = [&](const Vector3& at) {
+    if (!locator) locator.emplace(mesh, V);
+    return locator->closest(row(at));
+  };
   for (DesignSingularity& s : placed.singularities) {
     if (s.at) {
-      const SurfacePoint point = nearest_point(mesh, V, *s.at);
+      const SurfacePoint point = nearest_point(*s.at);
       s.face = point.face;
       if (s.pin) s.barycentric = point.barycentric;
       s.at.reset();
@@ -134,16 +114,21 @@ DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positi
   for (DesignStroke& s : placed.strokes) {
     for (DesignPoint& p : s.points) {
       if (!p.at) continue;
-      const SurfacePoint point = nearest_point(mesh, V, *p.at);
+      const SurfacePoint point = nearest_point(*p.at);
       p = {.face = point.face, .barycentric = point.barycentric};
     }
+    for (const Vector3& x : s.path) {
+      const SurfacePoint point = nearest_point(x);
+      s.points.push_back({.face = point.face, .barycentric = point.barycentric});
+    }
+    s.path.clear();
   }
   check_design(placed, mesh);  // two points may be nearest to one vertex
   return placed;
 }
 
 std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh, const Positions<double>& V,
-                                           const Frames<double>& frames) {
+                                           const Geometry<double>& geometry, const Frames<double>& frames) {
   std::vector<DesignControl> controls;
   const int n = design.n;
   for (std::size_t k = 0; k < design.singularities.size(); ++k) {
@@ -165,14 +150,19 @@ std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh&
     if (f.direction) angle += vertex_direction(at + "/direction", frames, f.vertex, *f.direction);
     if (f.relative_to) angle += vertex_direction(at + "/relative_to", frames, f.vertex, *f.relative_to);
     controls.push_back(
-        {at, detail::label(f), VertexConstraint{.vertex = f.vertex, .value = std::polar(f.length, n * wrap(angle))}});
+        {at, detail::label(f),
+         VertexConstraint{
+             .vertex = f.vertex, .value = std::polar(f.length, n * wrap(angle)), .direction_only = f.free_length}});
   }
   for (std::size_t k = 0; k < design.strokes.size(); ++k) {
     const DesignStroke& s = design.strokes[k];
-    Stroke stroke{.points = {}, .weight = s.weight};
-    for (const DesignPoint& p : s.points) stroke.points.push_back({p.face, p.barycentric});
-    controls.push_back({path("strokes", k), detail::label(s, k), std::move(stroke)});
+    controls.push_back(
+        {path("strokes", k), detail::label(s, k),
+         Stroke{.weight = s.weight, .line = traced(path("strokes", k), mesh, V, geometry, s), .radius = s.radius}});
   }
+  if (design.boundary.wanted)
+    controls.push_back({"/boundary", design.boundary.normal ? "across the boundary" : "along the boundary",
+                        BoundaryAlignment{.normal = design.boundary.normal, .weight = design.boundary.weight}});
   return controls;
 }
 

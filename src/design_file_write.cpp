@@ -43,13 +43,18 @@ Json json_of(const DesignFixed& f) {
   if (f.direction) json["direction"] = *f.direction;
   if (f.angle) json["angle"] = *f.angle;
   if (f.relative_to) json["relative_to"] = *f.relative_to;
-  if (f.length != 1) json["length"] = f.length;
+  if (f.free_length)
+    json["length"] = "free";
+  else if (f.length != 1)
+    json["length"] = f.length;
   return json;
 }
 
 Json json_of(const DesignStroke& s) {
   Json json = Json::object();
   if (!s.name.empty()) json["name"] = s.name;
+  if (!s.vertices.empty()) json["vertices"] = s.vertices;
+  if (!s.path.empty()) json["path"] = s.path;
   Json points = Json::array();
   for (const DesignPoint& p : s.points) {
     Json point = Json::object();
@@ -57,8 +62,9 @@ Json json_of(const DesignStroke& s) {
     if (!p.at) point["barycentric"] = p.barycentric;
     points.push_back(std::move(point));
   }
-  json["points"] = std::move(points);
+  if (!s.points.empty()) json["points"] = std::move(points);
   if (s.weight != 1) json["weight"] = s.weight;
+  if (s.radius != 0) json["radius"] = s.radius;
   return json;
 }
 
@@ -71,6 +77,9 @@ Json json_of(const DesignConnection& c) {
                                                        : "polar";
   if (c.detail != 1) json["detail"] = c.detail;
   for (const Cone& cone : c.cones) json["cones"].push_back({{"vertex", cone.vertex}, {"index", cone.index}});
+  if (c.balance) json["balance"] = true;
+  if (!c.holonomy.empty()) json["holonomy"] = c.holonomy;
+  if (!c.loops.empty()) json["loops"] = c.loops;
   return json;
 }
 
@@ -88,18 +97,28 @@ std::string design_text(const DesignFile& design) {
   if (!design.comment.empty()) json["comment"] = design.comment;
   if (design.mesh) json["mesh"] = {{"vertices", design.mesh->vertices}, {"faces", design.mesh->faces}};
   json["n"] = design.n;
+  if (design.method == DesignMethod::eigen) json["method"] = "eigen";
+  if (design.s != 0) json["s"] = design.s;
   json["connection"] = json_of(design.connection);
   if (design.guidance.source != DesignGuidance::Source::none) {
     Json& g = json["guidance"] = Json::object();
     if (design.guidance.source == DesignGuidance::Source::file)
       g["file"] = design.guidance.file.string();
     else
-      g["field"] = design.guidance.source == DesignGuidance::Source::zero ? "zero" : "smoothest";
-    if (design.guidance.weight != 1) g["weight"] = design.guidance.weight;
+      g["field"] = name(design.guidance.source);
+    if (design.guidance.t)
+      g["t"] = *design.guidance.t;
+    else if (design.guidance.weight != 1)
+      g["weight"] = design.guidance.weight;
+    if (!design.guidance.weights.empty()) g["weights"] = design.guidance.weights;
   }
   write_list(json, "singularities", design.singularities);
   write_list(json, "fixed", design.fixed);
   write_list(json, "strokes", design.strokes);
+  if (design.boundary.wanted) {
+    json["boundary"]["align"] = design.boundary.normal ? "normal" : "tangent";
+    if (design.boundary.weight != 1) json["boundary"]["weight"] = design.boundary.weight;
+  }
   // Texts from outside JSON may hold anything; what is not UTF-8 is replaced.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
@@ -117,6 +136,24 @@ std::string detail::number_text(double value) {
   char buffer[32];
   const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
   return {buffer, end};
+}
+
+const char* name(DesignGuidance::Source source) {
+  switch (source) {
+    case DesignGuidance::Source::none:
+      return "none";
+    case DesignGuidance::Source::zero:
+      return "zero";
+    case DesignGuidance::Source::smoothest:
+      return "smoothest";
+    case DesignGuidance::Source::curvature:
+      return "curvature";
+    case DesignGuidance::Source::least_curvature:
+      return "least-curvature";
+    case DesignGuidance::Source::file:
+      return "file";
+  }
+  return "none";
 }
 
 const char* name(SingularityKind kind) {

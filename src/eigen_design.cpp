@@ -6,8 +6,11 @@
 #include <string>
 
 #include "alcap/energies.h"
+#include "alcap/operators.h"
 #include "alcap/parallel.h"
+#include "alcap/singularities.h"
 #include "src/component_blocks.h"
+#include "src/designer_rows.h"
 #include "src/eigen_design_pencil.h"
 #include "src/eigen_design_rows.h"
 
@@ -20,12 +23,20 @@ using C = Complex<double>;
 constexpr double stroke_scale = 10;
 // A stroke within this many degrees on average is followed.
 constexpr double met_degrees = 10;
+// A singularity is met when its orientation is off by no more than this.
+constexpr double target_degrees = 0.5;
+// Reward of the flux of a target of strength 1, in units of area of the component over area of its face: enough for the
+// eigenvalue to fall well below the smoothest field's, so that the field is what the targets make of it.
+constexpr double target_reward = 10;
+// Penalty of the flux across, in units of 1 / area of the face.
+constexpr double target_penalty = 1e4;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-void validate(const Mesh& mesh, const std::vector<EigenStroke>& strokes, const EigenDesignOptions& options) {
+void validate(const Mesh& mesh, const EigenControls& controls, const EigenDesignOptions& options) {
+  const std::vector<EigenStroke>& strokes = controls.strokes;
   if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
   if (options.largest_rank < 0)
     throw OptionError("largest_rank", std::to_string(options.largest_rank), "must not be negative");
@@ -45,13 +56,19 @@ void validate(const Mesh& mesh, const std::vector<EigenStroke>& strokes, const E
         throw OptionError(name + ".line", std::to_string(segment.length), "segments have a positive length");
     }
   }
+  for (const SingularityTarget& target : controls.singularities) {
+    detail::check_target(mesh, target);
+    if (target.pin)
+      throw OptionError("pin", "in face " + std::to_string(target.face),
+                        "zeros are pinned by variational designs only");
+  }
 }
 
 /// Rows of a stroke with its weight multiplied in, vertices numbered as in their component.
-void append(detail::StrokeRows& all, const detail::StrokeRows& rows, double weight, const std::vector<Index>& local) {
+void append(detail::DesignRows& all, const detail::DesignRows& rows, double weight, const std::vector<Index>& local) {
   const auto scaled = [&](const std::vector<detail::RealRow>& from, std::vector<detail::RealRow>& to) {
     for (detail::RealRow row : from) {
-      for (std::size_t k = 0; k < static_cast<std::size_t>(row.size); ++k) {
+      for (std::size_t k = 0; k < row.vertex.size(); ++k) {
         row.vertex[k] = local[static_cast<std::size_t>(row.vertex[k])];
         row.coefficient[k] *= std::sqrt(weight);
       }
@@ -60,6 +77,36 @@ void append(detail::StrokeRows& all, const detail::StrokeRows& rows, double weig
   };
   scaled(rows.across, all.across);
   scaled(rows.along, all.along);
+}
+
+/// e^{-i turns orientation} P u (or Q u) of a target: real and positive when it is met.
+struct TargetFlux {
+  std::array<Index, 3> vertex{};
+  std::array<C, 3> coefficient{};
+
+  TargetFlux(const Mesh& mesh, const FirstOrderOperators<double>& operators, int n, const SingularityTarget& target) {
+    const C turn = std::polar(1.0, -detail::target_turns(n, target.sign) * target.orientation);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Index at = 3 * target.face + static_cast<Index>(c);
+      vertex[c] = mesh.F().data()[at];
+      coefficient[c] = turn * (target.sign > 0 ? operators.p : operators.q)[at];
+    }
+  }
+  [[nodiscard]] C at(const ComplexVectorX<double>& u) const {
+    return coefficient[0] * u[vertex[0]] + coefficient[1] * u[vertex[1]] + coefficient[2] * u[vertex[2]];
+  }
+  void add_real_part(detail::RealRow& row, double scale, C turn, const std::vector<Index>& local) const {
+    for (std::size_t c = 0; c < 3; ++c)
+      row.add(local[static_cast<std::size_t>(vertex[c])], scale * std::conj(turn * coefficient[c]));
+  }
+};
+
+ControlReport judge(std::size_t number, const SingularityTarget& target, const TargetFlux& flux, int index, int n,
+                    const ComplexVectorX<double>& u) {
+  ControlReport report{.id = static_cast<ControlId>(number), .index = index};
+  report.error_degrees = std::abs(std::arg(flux.at(u))) / detail::target_turns(n, target.sign) * 180 / pi<double>;
+  report.met = index == target.sign && report.error_degrees <= target_degrees;
+  return report;
 }
 
 EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n, double area,
@@ -83,9 +130,10 @@ EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n,
 }  // namespace
 
 EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
-                               std::shared_ptr<const Frames<double>> frames, const std::vector<EigenStroke>& strokes,
+                               std::shared_ptr<const Frames<double>> frames, const EigenControls& controls,
                                const EigenDesignOptions& options) {
-  validate(mesh, strokes, options);
+  validate(mesh, controls, options);
+  const std::vector<EigenStroke>& strokes = controls.strokes;
   const auto start = std::chrono::steady_clock::now();
   EigenDesignResult result;
   result.field.n = options.n;
@@ -108,8 +156,8 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
     return static_cast<std::size_t>(
         topology.face_component[static_cast<std::size_t>(stroke.line.segments.front().face)]);
   };
-  std::vector<detail::StrokeRows> rows(areas.size());
-  std::vector<double> sizes = areas;  // mass of a unit field, strokes included
+  std::vector<detail::DesignRows> rows(areas.size());
+  std::vector<double> sizes = areas;  // mass of a unit field, rows included
   std::vector<std::vector<detail::StrokeSample>> samples;
   for (std::size_t k = 0; k < strokes.size(); ++k) {
     const std::size_t c = component_of(strokes[k]);
@@ -124,6 +172,40 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
     samples.push_back(detail::samples_along(mesh, geometry, connection, options.n, strokes[k].line));
     sizes[c] += weight * strokes[k].line.length();
   }
+  std::vector<TargetFlux> fluxes;
+  // One square over everything that has a sign, so that all of it takes the same one.
+  std::vector<detail::RealRow> joint(areas.size());
+  std::vector<int> signs(areas.size(), 0);
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    const std::size_t c = component_of(strokes[k]);
+    const double length = strokes[k].line.length();
+    const double scale = std::sqrt(strokes[k].weight * stroke_scale * std::sqrt(areas[c]) / length);
+    for (const detail::StrokeSample& sample : samples[k])
+      for (std::size_t v = 0; v < 3; ++v)
+        joint[c].add(local[static_cast<std::size_t>(sample.vertex[v])],
+                     scale * sample.ds * std::conj(sample.coefficient[v]));
+    ++signs[c];
+  }
+  const auto component_of_target = [&](const SingularityTarget& target) {
+    return static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(target.face)]);
+  };
+  if (!controls.singularities.empty()) {
+    // Area integrals: those S is made of, so that a lone target is met exactly.
+    const FirstOrderOperators<double> operators =
+        first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = OperatorKind::triangle});
+    for (const SingularityTarget& target : controls.singularities) {
+      const std::size_t c = component_of_target(target);
+      const TargetFlux& flux = fluxes.emplace_back(mesh, operators, options.n, target);
+      const double area = geometry.area(target.face);
+      flux.add_real_part(joint[c], target.strength * std::sqrt(target_reward * areas[c] / area), 1, local);
+      flux.add_real_part(rows[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local);
+      sizes[c] += target.strength * target.strength * target_reward * areas[c];
+    }
+  }
+  // A single stroke needs none: its sign is chosen afterwards.
+  for (const SingularityTarget& target : controls.singularities) signs[component_of_target(target)] += 2;
+  for (std::size_t c = 0; c < areas.size(); ++c)
+    if (signs[c] > 1) rows[c].along.push_back(std::move(joint[c]));
   result.assembly_seconds = seconds_since(start);
 
   const auto solve_start = std::chrono::steady_clock::now();
@@ -147,16 +229,27 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
       },
       1);
 
-  // Of u and -u the one that goes with the strokes.
-  std::vector<double> along(areas.size(), 0.0);
+  // Of u and -u the one that goes with the singularities, or else with the strokes.
+  std::vector<double> along(areas.size(), 0.0), flux(areas.size(), 0.0);
+  for (std::size_t k = 0; k < fluxes.size(); ++k)
+    flux[component_of_target(controls.singularities[k])] +=
+        controls.singularities[k].strength * fluxes[k].at(result.field.u).real();
   for (std::size_t k = 0; k < strokes.size(); ++k)
     for (const detail::StrokeSample& sample : samples[k])
       along[component_of(strokes[k])] += strokes[k].weight * sample.ds * sample.at(result.field.u).real();
   for (std::size_t c = 0; c < areas.size(); ++c)
-    if (along[c] < 0)
+    if (flux[c] != 0 ? flux[c] < 0 : along[c] < 0)
       for (const Index v : vertices[c]) result.field.u[v] = -result.field.u[v];
   for (std::size_t k = 0; k < strokes.size(); ++k)
     result.strokes.push_back(judge(samples[k], options.n, areas[component_of(strokes[k])], result.field.u));
+  if (!fluxes.empty()) {
+    const std::vector<int> indices = face_indices(mesh, connection, result.field);
+    for (std::size_t k = 0; k < fluxes.size(); ++k) {
+      const SingularityTarget& target = controls.singularities[k];
+      result.singularities.push_back(
+          judge(k, target, fluxes[k], indices[static_cast<std::size_t>(target.face)], options.n, result.field.u));
+    }
+  }
   result.eigen_seconds = seconds_since(solve_start);
   return result;
 }

@@ -27,8 +27,7 @@ constexpr Eigen::Index dense_vertices = 48;
 Rows sparse(const std::vector<RealRow>& rows, Eigen::Index vertices) {
   std::vector<Eigen::Triplet<double, Index>> entries;
   for (std::size_t r = 0; r < rows.size(); ++r)
-    for (int k = 0; k < rows[r].size; ++k) {
-      const auto at = static_cast<std::size_t>(k);
+    for (std::size_t at = 0; at < rows[r].vertex.size(); ++at) {
       entries.emplace_back(static_cast<Index>(r), 2 * rows[r].vertex[at], rows[r].coefficient[at].real());
       entries.emplace_back(static_cast<Index>(r), 2 * rows[r].vertex[at] + 1, rows[r].coefficient[at].imag());
     }
@@ -43,7 +42,7 @@ SparseMatrix<C> shifted_by(const SparseMatrix<C>& S, const SparseMatrix<C>& M, d
 
 class Pencil {
  public:
-  Pencil(const SparseMatrix<C>& S, const SparseMatrix<C>& M, const StrokeRows& rows, double size,
+  Pencil(const SparseMatrix<C>& S, const SparseMatrix<C>& M, const DesignRows& rows, double size,
          const EigenDesignOptions& options)
       : S_(S),
         M_(M),
@@ -196,7 +195,7 @@ class Pencil {
 
 }  // namespace
 
-EigenResult smallest_with_rows(const SparseMatrix<C>& S, const SparseMatrix<C>& M, const StrokeRows& rows, double size,
+EigenResult smallest_with_rows(const SparseMatrix<C>& S, const SparseMatrix<C>& M, const DesignRows& rows, double size,
                                const EigenDesignOptions& options) {
   Pencil pencil(S, M, rows, size, options);
   RealPair pair = pencil.solve();

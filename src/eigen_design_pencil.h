@@ -15,7 +15,7 @@ namespace alcap::detail {
 /// `size`: the mass of a field of unit length, rows included, which gives the scale of eigenvalues. u is scaled to
 /// u* M u = 1 without the rows; its sign is any.
 [[nodiscard]] EigenResult smallest_with_rows(const SparseMatrix<Complex<double>>& S,
-                                             const SparseMatrix<Complex<double>>& M, const StrokeRows& rows,
+                                             const SparseMatrix<Complex<double>>& M, const DesignRows& rows,
                                              double size, const EigenDesignOptions& options);
 
 }  // namespace alcap::detail

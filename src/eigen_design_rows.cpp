@@ -89,13 +89,13 @@ std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry<double>
   return samples;
 }
 
-StrokeRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection, int n,
+DesignRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection, int n,
                        const SurfacePolyline& given, double offset) {
   // Pieces are counted from one end, always the same, so that a stroke drawn backwards has the same rows.
   const SurfaceSegment &front = given.segments.front(), &back = given.segments.back();
   const bool turn = std::tie(back.face, back.b, back.a) < std::tie(front.face, front.a, front.b);
   const SurfacePolyline line = turn ? given.reversed() : given;
-  StrokeRows rows;
+  DesignRows rows;
   for (const StrokeSample& sample : samples_along(mesh, geometry, connection, n, line)) {
     // Re(g u) = Re(conj(conj(g)) u).
     RealRow row;

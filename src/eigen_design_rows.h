@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// eigen_design_rows.h: what a stroke measures of a field, as real-linear functionals. Internal to eigen_design.
+// eigen_design_rows.h: what strokes and singularities measure of a field, as real-linear functionals. Internal to
+// eigen_design.
 #pragma once
 
 #include <array>
@@ -13,19 +14,18 @@ namespace alcap::detail {
 
 /// sum_k Re(conj(coefficient_k) u[vertex_k]). The square root of its weight in the quadratic form is multiplied in.
 struct RealRow {
-  std::array<Index, 6> vertex{};
-  std::array<Complex<double>, 6> coefficient{};
-  int size = 0;
+  std::vector<Index> vertex = {};
+  std::vector<Complex<double>> coefficient = {};
 
   void add(Index v, Complex<double> c) {
-    vertex[static_cast<std::size_t>(size)] = v;
-    coefficient[static_cast<std::size_t>(size++)] = c;
+    vertex.push_back(v);
+    coefficient.push_back(c);
   }
 };
 
-struct StrokeRows {
-  std::vector<RealRow> across;  ///< squares sum up to int (d/ds p)^2 + offset p^2 ds, p = Im(conj(c^n) u)
-  std::vector<RealRow> along;   ///< squares sum up to int (Re(conj(c^n) u))^2 ds
+struct DesignRows {
+  std::vector<RealRow> across;  ///< added to the stiffness: what should be small
+  std::vector<RealRow> along;   ///< added to the mass: what should be large
 };
 
 /// A point of a stroke: weight ds, and conj(c^n) u there as coefficients of the face's corners.
@@ -49,7 +49,9 @@ struct StrokeSample {
                                                       const Connection<double>& connection, int n,
                                                       const SurfacePolyline& line);
 
-[[nodiscard]] StrokeRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry,
+/// Squares of `across` sum up to int (d/ds p)^2 + offset p^2 ds, p = Im(conj(c^n) u), those of `along` to
+/// int (Re(conj(c^n) u))^2 ds.
+[[nodiscard]] DesignRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry,
                                      const Connection<double>& connection, int n, const SurfacePolyline& given,
                                      double offset);
 

@@ -164,7 +164,8 @@ FieldRun run_steps(const Positions<double>& V, const Faces& F, const FieldRunOpt
   run.times.mesh = watch.lap();
 
   say("connection");
-  run.connection = make_connection(run.mesh, run.geometry, options);
+  run.cones = make_cones(run.mesh, run.geometry, options);
+  run.connection = make_connection(run.mesh, run.geometry, options, run.cones);
   const auto frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, V, run.connection));
   run.times.connection = watch.lap();
 
@@ -212,7 +213,13 @@ Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vecto
   return repaired;
 }
 
-Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options) {
+std::vector<Cone> make_cones(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options) {
+  if (options.connection != ConnectionKind::trivial) return {};
+  return options.balance_cones ? balance_cones(mesh, geometry, options.cones, {.n = options.n}) : options.cones;
+}
+
+Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options,
+                                   const std::vector<Cone>& cones) {
   Connection<double> connection;
   switch (options.connection) {
     case ConnectionKind::global:
@@ -224,7 +231,11 @@ Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geo
       connection = polar(mesh, geometry, options.polar);
       break;
     case ConnectionKind::trivial:
-      return trivial(mesh, geometry, options.cones, {.n = options.n, .global = options.global});
+      return trivial(mesh, geometry, cones,
+                     {.n = options.n,
+                      .generator_holonomy = options.generator_holonomy,
+                      .loop_index = options.loop_index,
+                      .global = options.global});
   }
   measure_deviation(mesh, geometry, options.global, connection);
   return connection;

@@ -12,6 +12,7 @@ set(layers
   mesh_check mesh mesh_io generators topology
   geometry
   connection
+  cones
   frames
   operators assembly energies
   field
@@ -19,6 +20,8 @@ set(layers
   singularities
   strokes
   streamlines
+  controls
+  alignment
   designer
   eigen_design
   design_file

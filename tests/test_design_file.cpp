@@ -28,7 +28,13 @@ DesignFile full() {
   d.comment = "all of it, \"quoted\" \xC3\xA4";
   d.mesh = DesignMesh{642, 1280};
   d.n = 2;
-  d.connection = {.kind = ConnectionKind::trivial, .detail = 0.1, .cones = {{3, 0.5}, {7, -0.5}, {11, 2}}};
+  d.s = 0.25;
+  d.connection = {.kind = ConnectionKind::trivial,
+                  .detail = 0.1,
+                  .cones = {{3, 0.5}, {7, -0.5}, {11, 2}},
+                  .balance = true,
+                  .holonomy = {0.5, -1},
+                  .loops = {1.5}};
   d.guidance = {.source = DesignGuidance::Source::file, .file = "field.ply", .weight = 1.0 / 3};
   d.singularities = {{.name = "first", .face = 12, .kind = SingularityKind::wedge, .angle = 1e-17, .strength = 0.7},
                      {.face = 13,
@@ -41,10 +47,14 @@ DesignFile full() {
                      {.at = Vector3{0.1, 0.2, -0.3}, .kind = SingularityKind::source}};
   d.fixed = {{.name = "up", .vertex = 5, .direction = Vector3{0, 1, 0}, .length = 2.5},
              {.vertex = 6, .angle = 0.0},
-             {.at = Vector3{1, 2, 3}, .angle = 45.5, .relative_to = Vector3{0, 0, 1}}};
+             {.at = Vector3{1, 2, 3}, .angle = 45.5, .relative_to = Vector3{0, 0, 1}},
+             {.vertex = 9, .angle = 1.0, .free_length = true}};
   d.strokes = {{.name = "stroke",
                 .points = {{.face = 1, .barycentric = {0.2, 0.3, 0.5}}, {.at = Vector3{0, 0, 1}}},
-                .weight = 3}};
+                .weight = 3},
+               {.vertices = {1, 2, 30}, .radius = 0.25},
+               {.path = {{0, 0, 1}, {0.1, 0, 1e-3}}}};
+  d.boundary = {.wanted = true, .normal = true, .weight = 0.1};
   return d;
 }
 
@@ -78,7 +88,7 @@ struct Ball {
   Connection<double> connection = polar(mesh, geometry);
   Frames<double> frames = vertex_frames(mesh, surface.V, connection);
   [[nodiscard]] std::vector<DesignControl> controls(const DesignFile& d) const {
-    return design_controls(place_design(d, mesh, surface.V), mesh, surface.V, frames);
+    return design_controls(place_design(d, mesh, surface.V), mesh, surface.V, geometry, frames);
   }
   [[nodiscard]] Eigen::RowVector3d at(Index t, const std::array<double, 3>& b) const {
     Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
@@ -111,6 +121,21 @@ TEST_CASE("what is written reads back as the same design, bit for bit") {
     CHECK(std::string(name(d.singularities[0].kind)) == kind);
     CHECK(design_text(parse_design(design_text(d))) == design_text(d));
   }
+  CHECK(back.s == 0.25);
+  CHECK(back.connection.balance);
+  CHECK(back.connection.holonomy == std::vector<double>{0.5, -1});
+  CHECK(back.fixed[3].free_length);
+  CHECK(back.strokes[1].vertices == std::vector<Index>{1, 2, 30});
+  CHECK(back.strokes[2].path[1][2] == 1e-3);
+  CHECK(back.boundary.normal);
+  const DesignFile by_t = parse_design(
+      R"({"alcap_design":1,"n":2,"method":"variational","guidance":{"field":"least-curvature","t":-0.1}})");
+  CHECK(*by_t.guidance.t == -0.1);
+  CHECK(design_text(parse_design(design_text(by_t))) == design_text(by_t));
+  const DesignFile eigen = parse_design(
+      R"({"alcap_design":1,"n":3,"method":"eigen","strokes":[{"vertices":[0,1]}],"singularities":[{"face":0,"kind":"saddle"}]})");
+  CHECK(eigen.method == DesignMethod::eigen);
+  CHECK(design_text(parse_design(design_text(eigen))) == design_text(eigen));
   for (const char* kind : {"global", "local", "polar", "polar-barycenter", "trivial"}) {
     const std::string given = std::string(R"({"alcap_design":1,"n":1,"connection":{"kind":")") + kind + "\"}}";
     CHECK(Json::parse(design_text(parse_design(given)))["connection"]["kind"] == kind);
@@ -156,7 +181,7 @@ TEST_CASE("every wrong value is named by its path and value") {
       {"/mesh/faces", 0, "/mesh/faces = 0:"},
       {"/mesh", 3, "/mesh = 3: must be an object"},
       {"/connection/kind", "flat", "/connection/kind = \"flat\": must be one of global, local"},
-      {"/connection/kind", "global", "/connection/cones = 3 cones: only a trivial"},
+      {"/connection/kind", "global", "/connection/cones = 3 cones: goes with a trivial"},
       {"/connection/detail", 0, "/connection/detail = 0: must be positive"},
       {"/connection/cones/0/index", 0.3, "/connection/cones/0/index = 0.3: must be a multiple of 1/n = 1/2"},
       {"/connection/cones/0/index", "1/", "/connection/cones/0/index = \"1/\": must be a number, or a fraction"},
@@ -195,6 +220,24 @@ TEST_CASE("every wrong value is named by its path and value") {
       {"/fixed/0/direction", {0, 0, 0}, "/fixed/0/direction = [0,0,0]: a direction must not be zero"},
       {"/fixed/0/relative_to", {0, 0, 1}, "/fixed/0/relative_to = [0,0,1]: goes with angle"},
       {"/fixed/0/length", 0, "/fixed/0/length = 0: must be positive"},
+      {"/fixed/0/length", "long", "/fixed/0/length = \"long\": must be one of free"},
+      {"/method", "magic", "/method = \"magic\": must be one of variational, eigen"},
+      {"/method", "eigen", "/guidance = file: goes with the variational method"},
+      {"/s", 1.5, "/s = 1.5: must be in [-1, 1]"},
+      {"/boundary/align", "up", "/boundary/align = \"up\": must be one of tangent, normal"},
+      {"/boundary/weight", -1, "/boundary/weight = -1: must be positive"},
+      {"/connection/balance", 1, "/connection/balance = 1: must be true or false"},
+      {"/connection/holonomy/1", 0.3, "/connection/holonomy/1 = 0.3: must be a multiple of 1/n = 1/2"},
+      {"/connection/loops/0", "x", "must be a number, or a fraction"},
+      {"/guidance/t", 0.5, "/guidance/t = 0.5: goes instead of weight"},
+      {"/guidance/weights", {1, -2}, "/guidance/weights/1 = -2: must be finite and not negative"},
+      {"/guidance/weights", {0, 0}, "/guidance/weights = all 0: one at least must be positive"},
+      {"/strokes/1/points", Json::array(), "/strokes/1 = an object: needs one of the keys points, vertices and path"},
+      {"/strokes/1/vertices", {4}, "/strokes/1/vertices = 1 vertex: a stroke has at least two"},
+      {"/strokes/1/vertices/2", -4, "/strokes/1/vertices/2 = -4: must not be negative"},
+      {"/strokes/1/radius", -1, "/strokes/1/radius = -1: must be finite and not negative"},
+      {"/strokes/2/path/0", {1, 2}, "/strokes/2/path/0 = [1,2]: must be a list of three"},
+      {"/strokes/2/path", Json::array({{0, 0, 1}}), "/strokes/2/path = 1 point: a stroke has at least two"},
       {"/fixed/0/vertex", -7, "/fixed/0/vertex = -7: must not be negative"},
       {"/strokes/0/points", Json::array({{{"at", {0, 0, 1}}}}),
        "/strokes/0/points = 1 points: a stroke has at least two"},
@@ -221,7 +264,7 @@ TEST_CASE("every wrong value is named by its path and value") {
            {"/singularities/0", "kind", "/singularities/0 = an object: needs the key kind"},
            {"/singularities/0", "face", "/singularities/0 = no place: needs either face or at"},
            {"/fixed/0", "direction", "/fixed/0 = no direction: needs either direction or angle"},
-           {"/strokes/0", "points", "needs the key points"}}) {
+           {"/strokes/0", "points", "needs one of the keys points"}}) {
     CAPTURE(says);
     const std::string error = error_of(without(object, key));
     CAPTURE(error);
@@ -433,6 +476,7 @@ TEST_CASE("the schema knows the keys that the reader knows, and the examples are
   CHECK(keys(schema["properties"]["mesh"]) == reader("/mesh"));
   CHECK(keys(schema["properties"]["connection"]) == reader("/connection"));
   CHECK(keys(schema["properties"]["guidance"]) == reader("/guidance"));
+  CHECK(keys(schema["properties"]["boundary"]) == reader("/boundary"));
   CHECK(keys(schema["$defs"]["cone"]) == reader("/connection/cones/0"));
   CHECK(keys(schema["$defs"]["singularity"]) == reader("/singularities/0"));
   CHECK(keys(schema["$defs"]["fixed"]) == reader("/fixed/0"));

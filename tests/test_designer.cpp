@@ -212,7 +212,7 @@ TEST_CASE("after 200 random edits the field is the one solved from scratch") {
 
 TEST_CASE("singular systems, empty designs and bad controls are refused with the reason") {
   const Case sphere(icosphere(2)), flat(disk(4));
-  CHECK_THROWS_AS((void)flat.designer({.n = 1}), SolveError);
+  CHECK_THROWS_AS((void)flat.designer({.n = 1}), OptionError);
   CHECK_NOTHROW((void)flat.designer({.n = 1, .guidance_weight = 1}));
   const auto parallel = trivial(sphere.mesh, sphere.geometry, {{0, 1}, {11, 1}}, {.n = 1});
   CHECK_NOTHROW((void)Designer(sphere.mesh, sphere.surface.V, sphere.geometry, parallel, {.n = 1}));

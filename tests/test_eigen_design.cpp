@@ -36,7 +36,7 @@ struct Case {
   }
   [[nodiscard]] EigenDesignResult design(const std::vector<EigenStroke>& strokes,
                                          const EigenDesignOptions& options) const {
-    return eigen_design(mesh, geometry, connection, nullptr, strokes, options);
+    return eigen_design(mesh, geometry, connection, nullptr, {.strokes = strokes}, options);
   }
 };
 
@@ -272,4 +272,56 @@ TEST_CASE("bad options and strokes are refused by name") {
   SurfacePolyline broken = line;
   broken.segments[0].face = 1000;
   CHECK(refused({{broken, 1}}, {}, "strokes[0].line"));
+}
+
+TEST_CASE("singularities as terms of the mass: index and orientation in the asked faces, several at once") {
+  for (const Surface& surface : {bumpy_sphere(3, 0.1, 2.3), torus(30, 16, 1, 0.4), genus_surface(2, 3)}) {
+    const Case s(surface);
+    for (const int n : {1, 2, 4}) {
+      const Index step = s.mesh.faces() / 5;
+      const std::vector<SingularityTarget> targets = {{.face = step, .sign = -1, .orientation = 0.4},
+                                                      {.face = 3 * step, .sign = 1, .orientation = 1.1}};
+      std::vector<EigenDesignResult> results;
+      for (const EigenPath path : {EigenPath::low_rank, EigenPath::real_view})
+        results.push_back(eigen_design(s.mesh, s.geometry, s.connection, nullptr, {.singularities = targets},
+                                       {.n = n, .path = path}));
+      CAPTURE(n);
+      CAPTURE(surface.F.rows());
+      for (const EigenDesignResult& result : results) {
+        CHECK(result.components[0].converged);
+        REQUIRE(result.singularities.size() == 2);
+        for (const ControlReport& report : result.singularities) {
+          CHECK(report.met);
+          CHECK(report.error_degrees < 0.5);
+        }
+      }
+      CHECK((results[0].field.u - results[1].field.u).norm() < 1e-6 * results[0].field.u.norm());
+      CHECK(results[0].components[0].lambda == doctest::Approx(results[1].components[0].lambda).epsilon(1e-8));
+    }
+  }
+  const Case s(icosphere(2));
+  const auto refused = [&](const SingularityTarget& target) {
+    CHECK_THROWS_AS(
+        (void)eigen_design(s.mesh, s.geometry, s.connection, nullptr, {.singularities = {target}}, {.n = 1}),
+        OptionError);
+  };
+  refused({.face = -1});
+  refused({.face = 1, .sign = 0});
+  refused({.face = 1, .strength = -1});
+  refused({.face = 1, .pin = std::array<double, 3>{0.2, 0.3, 0.5}});
+}
+
+TEST_CASE("strokes and singularities together, on the connection of the surface and on a trivial one") {
+  Case s(bumpy_sphere(3, 0.1, 2.3));
+  const Connection<double> surface_connection = s.connection;
+  for (const bool flat : {false, true}) {
+    s.connection = flat ? trivial(s.mesh, s.geometry, {{0, 1.0}, {11, 1.0}}, {.n = 1}) : surface_connection;
+    const SurfacePolyline line = s.stroke(great_circle, 40, 1.1);
+    const auto result =
+        eigen_design(s.mesh, s.geometry, s.connection, nullptr,
+                     {.strokes = {{.line = line}}, .singularities = {{.face = 900, .sign = -1}}}, {.n = 1});
+    CHECK(result.components[0].converged);
+    CHECK(result.singularities[0].index == -1);
+    CHECK(result.singularities[0].met);
+  }
 }

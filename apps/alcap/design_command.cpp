@@ -9,11 +9,13 @@
 #include <cmath>
 #include <memory>
 
+#include "alcap/cones.h"
 #include "alcap/memory.h"
 #include "alcap/output.h"
 #include "commands.h"
 #include "design_options.h"
 #include "design_report.h"
+#include "design_solve.h"
 #include "outputs.h"
 #include "report.h"
 #include "shared_options.h"
@@ -49,71 +51,6 @@ struct DesignOptionsGiven {
 using Clock = std::chrono::steady_clock;
 
 double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
-
-/// The guidance field, scaled to root mean square length 1 over the surface, and what the report says about it.
-struct Guidance {
-  ComplexVectorX<double> u0 = {};  // empty: none, or zero
-  Json report = {};
-  bool converged = true;
-};
-
-double mean_square(const FieldRun& run, const ComplexVectorX<double>& u) {
-  double sum = 0;
-  for (Index t = 0; t < run.mesh.faces(); ++t)
-    for (Index c = 0; c < 3; ++c) sum += run.geometry.area(t) / 3 * std::norm(u[run.mesh.F()(t, c)]);
-  return sum / run.geometry.total_area();
-}
-
-ComplexVectorX<double> read_guidance(const DesignFile& design, const MeshFile& file, const FieldRun& run,
-                                     const std::shared_ptr<const Frames<double>>& frames) {
-  const std::string path = design.guidance.file.string();
-  const FieldFile field = read_field(design.guidance.file);
-  const auto refuse = [&](const std::string& why) {
-    throw Failure(Exit::input, fmt::format("guidance {}: {}", path, why), {{"path", path}});
-  };
-  if (field.field.n != design.n)
-    refuse(fmt::format("holds a field of n = {}, and the design has n = {}", field.field.n, design.n));
-  if (field.V.rows() != file.V.rows() || field.F.rows() != run.mesh.faces() ||
-      !((file.V - field.V).cwiseAbs().maxCoeff() <= 1e-6 * file.V.cwiseAbs().maxCoeff()))
-    refuse("holds a field on another mesh; give one that was computed on this mesh");
-  // Same frames: the numbers as they are. Otherwise the vectors in space are what counts, with their lengths.
-  if (field.field.frames->X == frames->X && field.field.frames->N == frames->N) return field.field.u;
-  Field<double> moved = from_vectors(design.n, field.field.vectors(0), frames);
-  for (Eigen::Index v = 0; v < moved.u.size(); ++v)
-    moved.u[v] = std::polar(std::abs(field.field.u[v]), std::arg(moved.u[v]));
-  return moved.u;
-}
-
-Guidance find_guidance(const DesignFile& design, const MeshFile& file, const FieldRun& run,
-                       const std::shared_ptr<const Frames<double>>& frames, const std::string& solver) {
-  using Source = DesignGuidance::Source;
-  const Source source = design.guidance.source;
-  Guidance out;
-  out.report = {{"field", source == Source::none        ? "none"
-                          : source == Source::zero      ? "zero"
-                          : source == Source::smoothest ? "smoothest"
-                                                        : design.guidance.file.string()},
-                {"weight", source == Source::none ? Json(0) : number(design.guidance.weight)},
-                {"scale", nullptr}};
-  if (source == Source::none || source == Source::zero) return out;
-  if (source == Source::smoothest) {
-    SmoothestResult smooth =
-        smoothest_field(run.mesh, run.geometry, run.connection, frames, {.n = design.n, .eigen = {.solver = solver}});
-    out.converged = std::all_of(smooth.components.begin(), smooth.components.end(),
-                                [](const EigenReport& e) { return e.converged; });
-    out.u0 = std::move(smooth.field.u);
-  } else {
-    out.u0 = read_guidance(design, file, run, frames);
-  }
-  const double square = mean_square(run, out.u0);
-  if (!(square > 0) || !std::isfinite(square))
-    throw Failure(Exit::input, fmt::format("guidance {}: the field is zero or not finite everywhere",
-                                           design.guidance.file.string()));
-  const double scale = 1 / std::sqrt(square);
-  out.u0 *= scale;
-  out.report["scale"] = number(scale);
-  return out;
-}
 
 std::vector<std::string> chosen_formats(const DesignOptionsGiven& options, const OutputPlan& plan) {
   std::vector<std::string> known = field_formats();
@@ -160,35 +97,23 @@ Outcome run(DesignOptionsGiven options, Progress& progress) {
   run.topology = find_topology(run.mesh);
   run.geometry = Geometry<double>(run.mesh, file.V);
   for (Remark& r : mesh_remarks(file.V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(r));
-  const DesignFile placed = place_design(design, run.mesh, file.V);
+  DesignFile placed = place_design(design, run.mesh, file.V);
+  placed.connection.cones = make_cones(run.mesh, run.geometry, run_options(placed));
+  placed.connection.balance = false;
   run.times.mesh = seconds(lap);
   if (options.explain) return explain(options, file, design, placed, run);
 
   progress.phase("finding the connection");
   lap = Clock::now();
   const FieldRunOptions how = run_options(placed);
-  run.connection = make_connection(run.mesh, run.geometry, how);
+  run.cones = placed.connection.cones;
+  run.connection = make_connection(run.mesh, run.geometry, how, run.cones);
   const auto frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, file.V, run.connection));
-  const std::vector<DesignControl> controls = design_controls(placed, run.mesh, file.V, *frames);
+  const std::vector<DesignControl> controls = design_controls(placed, run.mesh, file.V, run.geometry, *frames);
   run.times.connection = seconds(lap);
 
-  progress.phase("finding the guidance field");
-  lap = Clock::now();
-  Guidance guidance = find_guidance(placed, file, run, frames, options.solver);
-  const double guidance_seconds = seconds(lap);
-
-  progress.phase("preparing");
-  lap = Clock::now();
-  const bool guided = placed.guidance.source != DesignGuidance::Source::none;
-  Designer designer(
-      run.mesh, file.V, run.geometry, run.connection,
-      {.n = placed.n, .guidance_weight = guided ? placed.guidance.weight : 0.0, .solver = options.solver});
-  for (const DesignControl& c : controls) (void)designer.add(c.control);
-  if (guidance.u0.size() > 0) designer.set_guidance(guidance.u0);
-  const double prepare_seconds = seconds(lap);
-
-  progress.phase("solving");
-  const DesignResult result = designer.solve();
+  SolvedDesign solved = solve_design({placed, controls, file, run, frames, options.solver}, progress);
+  const DesignResult& result = solved.result;
   lap = Clock::now();
   run.field = result.field;
   run.indices = face_indices(run.mesh, run.connection, run.field);
@@ -207,23 +132,23 @@ Outcome run(DesignOptionsGiven options, Progress& progress) {
     if (!fine) run.remarks.push_back({.code = code, .message = message});
   };
   warn(connected, "connection_not_converged", "the connection did not reach its tolerance");
-  warn(guidance.converged, "eigen_not_converged", "the eigensolver of the guidance field did not reach its tolerance");
+  warn(solved.converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
   warn(small, "residual_large", "the linear solve did not reach its tolerance; try another --solver");
   warn(sums, "index_sum_mismatch", "the indices do not sum to what topology demands; please report this mesh");
   warn(finite, "not_finite", "the field has values that are not finite numbers");
-  const bool ok = met && sums && small && finite && connected && guidance.converged;
+  const bool ok = met && sums && small && finite && connected && solved.converged;
 
   Json report = report_head("design", ok);
   report["input"] = input_json(options.mesh.path, file);
   report["design"] = design_json(design);
   report["mesh"] = mesh_json(run.mesh, run.topology, run.geometry);
   report["connection"] = connection_json(run.mesh, run.geometry, run.connection, how);
-  report["guidance"] = guidance.report;
-  report["solve"] = {{"rows", result.rows}, {"residual", number(result.residual)}, {"solver", options.solver}};
+  report["guidance"] = std::move(solved.guidance);
+  report["solve"] = std::move(solved.solve);
   report["controls"] = std::move(asked);
   report["singularities"] = singularities_json(run);
   report["certificate"] = {{"connection_converged", connected},
-                           {"guidance_converged", guidance.converged},
+                           {"eigen_converged", solved.converged},
                            {"residual_small", small},
                            {"index_sums_match", sums},
                            {"finite", finite},
@@ -244,9 +169,9 @@ Outcome run(DesignOptionsGiven options, Progress& progress) {
     report["times"] = {{"read", times.read},
                        {"mesh", run.times.mesh},
                        {"connection", run.times.connection},
-                       {"guidance", guidance_seconds},
-                       {"prepare", prepare_seconds},
-                       {"solve", result.seconds},
+                       {"guidance", solved.guidance_seconds},
+                       {"prepare", solved.prepare_seconds},
+                       {"solve", solved.solve_seconds},
                        {"analysis", run.times.analysis},
                        {"write", seconds(lap)},
                        {"total", seconds(start)}};

@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
+#include <fstream>
 
 #include "shared_options.h"
 
@@ -74,6 +75,58 @@ DesignFixed parse_fixed(const std::string& text) {
   return fixed;
 }
 
+/// FILE or FILE:WEIGHT. A point "x y z" a line; empty lines separate strokes, # starts a comment.
+std::vector<DesignStroke> read_strokes(const std::string& text) {
+  double weight = 1;
+  std::string path = text;
+  if (const std::size_t colon = text.rfind(':'); colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, weight);
+    if (error == std::errc() && stop == end) path = text.substr(0, colon);
+  }
+  if (!(weight > 0) || !std::isfinite(weight))
+    throw Failure(Exit::usage, "--stroke: " + text + " should be FILE or FILE:WEIGHT with a weight above 0",
+                  {{"option", "--stroke"}, {"value", text}});
+  std::ifstream file(path);
+  if (!file) throw FileError(path + ": cannot be opened", path);
+  std::vector<DesignStroke> strokes(1);
+  std::string line;
+  for (std::int64_t number = 1; std::getline(file, line); ++number) {
+    line.resize(std::min(line.find('#'), line.size()));
+    std::vector<double> point;
+    const char *at = line.data(), *const end = line.data() + line.size();
+    while (at != end) {
+      if (*at == ' ' || *at == '\t' || *at == '\r' || *at == ',') {
+        ++at;
+        continue;
+      }
+      double value = 0;
+      const auto [stop, error] = std::from_chars(at, end, value);
+      if (error != std::errc() || !std::isfinite(value))
+        throw FileError(fmt::format("{}:{}: not a number: {}", path, number, std::string(at, end)), path, number);
+      point.push_back(value);
+      at = stop;
+    }
+    if (point.empty()) {
+      if (!strokes.back().path.empty()) strokes.emplace_back();
+    } else if (point.size() == 3) {
+      strokes.back().path.push_back({point[0], point[1], point[2]});
+    } else {
+      throw FileError(fmt::format("{}:{}: {} numbers instead of a point x y z", path, number, point.size()), path,
+                      number);
+    }
+  }
+  if (strokes.back().path.empty()) strokes.pop_back();
+  if (strokes.empty()) throw FileError(path + ": holds no stroke", path);
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    if (strokes[k].path.size() < 2)
+      throw FileError(fmt::format("{}: stroke {} has one point; at least two are needed", path, k), path);
+    strokes[k].name = strokes.size() == 1 ? "--stroke " + text : fmt::format("--stroke {} ({})", text, k);
+    strokes[k].weight = weight;
+  }
+  return strokes;
+}
+
 /// "smoothest", "zero:0.1", "out/field.ply:2"
 DesignGuidance parse_guidance(const std::string& text) {
   DesignGuidance guidance;
@@ -84,9 +137,14 @@ DesignGuidance parse_guidance(const std::string& text) {
     if (error == std::errc() && stop == end) what = text.substr(0, colon);
   }
   if (!(guidance.weight > 0) || !std::isfinite(guidance.weight) || what.empty())
-    throw CLI::ValidationError("--guidance", text + " should be FIELD.ply, smoothest or zero, then :WEIGHT above 0");
+    throw CLI::ValidationError("--guidance",
+                               text + " should be FIELD.ply, smoothest, curvature or zero, then :WEIGHT above 0");
   if (what == "smoothest") {
     guidance.source = DesignGuidance::Source::smoothest;
+  } else if (what == "curvature") {
+    guidance.source = DesignGuidance::Source::curvature;
+  } else if (what == "least-curvature") {
+    guidance.source = DesignGuidance::Source::least_curvature;
   } else if (what == "zero") {
     guidance.source = DesignGuidance::Source::zero;
   } else {
@@ -167,9 +225,47 @@ void add_design_options(CLI::App& app, DesignFlags& flags) {
       [&flags](const std::string& text) { flags.fixed.push_back(parse_fixed(text)); });
   app.add_option_function<std::string>(
          "--guidance", [&flags](const std::string& text) { flags.guidance = parse_guidance(text); },
-         "What the field stays close to: FIELD.ply written by alcap, smoothest, or zero; then :WEIGHT, default 1")
+         "What the field stays close to: FIELD.ply written by alcap, smoothest, curvature (n even), least-curvature "
+         "(n = 2) or zero; then :WEIGHT, default 1")
       ->type_name("FIELD[:WEIGHT]")
       ->group("Controls");
+  add_list(app, "--stroke", "FILE[:WEIGHT]",
+           "The field follows polylines of points \"x y z\", one a line, empty lines between strokes; default weight 1",
+           [&flags](const std::string& text) { flags.strokes.push_back(text); });
+  app.add_option_function<double>(
+         "--align-curvature",
+         [&flags](double t) { flags.guidance = DesignGuidance{.source = DesignGuidance::Source::curvature, .t = t}; },
+         "Principal directions (n even) as guidance with lambda_t = T times lambda_min of a sphere of this area: 0 "
+         "balances, negative follows them closer, towards lambda_1 the field is only smooth")
+      ->type_name("T")
+      ->group("Controls");
+  app.add_option_function<double>(
+         "--t", [&flags](double t) { flags.t = t; },
+         "Weigh the guidance field by lambda_t, as --align-curvature does, instead of :WEIGHT")
+      ->type_name("T")
+      ->group("Controls");
+  app.add_flag_function(
+         "--align-boundary", [&flags](std::int64_t) { flags.boundary = {.wanted = true}; },
+         "The field runs along the boundary")
+      ->group("Controls");
+  app.add_flag_function(
+         "--align-boundary-normal", [&flags](std::int64_t) { flags.boundary = {.wanted = true, .normal = true}; },
+         "The field runs into the boundary at a right angle")
+      ->group("Controls");
+  app.add_option_function<std::string>(
+         "--method",
+         [&flags](const std::string& method) {
+           flags.method = method == "eigen" ? DesignMethod::eigen : DesignMethod::variational;
+         },
+         "variational: one linear solve, every control; eigen: the smoothest field with these singularities and "
+         "strokes. Default: the design file's, or variational")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember({"variational", "eigen"}))
+      ->group("Solver");
+  app.add_option("-s,--energy", flags.s, "Energy family in [-1, 1]: 0 Dirichlet, 1 holomorphic, -1 antiholomorphic")
+      ->type_name("S")
+      ->check(CLI::Range(-1.0, 1.0))
+      ->group("Solver");
   add_connection_options(app, flags.run);
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
 }
@@ -178,7 +274,11 @@ DesignFile make_design(const DesignFlags& flags) {
   DesignFile design;
   if (!flags.file.empty()) design = read_design(flags.file);
   if (flags.file.empty() || flags.count("-n") > 0) design.n = flags.n;
-  if (flags.count("--connection") > 0 || flags.count("--cone") > 0) {
+  if (flags.count("--method") > 0) design.method = flags.method;
+  if (flags.count("--energy") > 0) design.s = flags.s;
+  if (flags.boundary.wanted) design.boundary = flags.boundary;
+  if (flags.count("--cones") > 0) design.connection.balance = true;
+  if (flags.count("--connection") > 0 || flags.count("--cone") > 0 || flags.count("--cones") > 0) {
     design.connection.kind = flags.run.connection;
     design.connection.center = flags.run.polar.center;
     if (flags.run.connection != ConnectionKind::trivial) design.connection.cones.clear();
@@ -186,6 +286,12 @@ DesignFile make_design(const DesignFlags& flags) {
   for (const Cone& cone : flags.run.cones) design.connection.cones.push_back(cone);
   if (flags.count("--detail") > 0) design.connection.detail = flags.run.global.detail;
   if (flags.guidance) design.guidance = *flags.guidance;
+  if (flags.t) {
+    if (design.guidance.source == DesignGuidance::Source::none)
+      throw Failure(Exit::usage, "--t weighs a guidance field; give one with --guidance", {{"option", "--t"}});
+    design.guidance.weight = 1;
+    design.guidance.t = flags.t;
+  }
   for (DesignSingularity s : flags.singularities) {
     s.strength = flags.strength;
     s.pin = flags.pin;
@@ -195,13 +301,18 @@ DesignFile make_design(const DesignFlags& flags) {
     design.singularities.push_back(std::move(s));
   }
   for (const DesignFixed& f : flags.fixed) design.fixed.push_back(f);
+  for (const std::string& text : flags.strokes)
+    for (DesignStroke& s : read_strokes(text)) design.strokes.push_back(std::move(s));
   check_design(design);
   const bool nothing = design.singularities.empty() && design.fixed.empty() && design.strokes.empty() &&
+                       !design.boundary.wanted && design.method != DesignMethod::eigen &&
                        (design.guidance.source == DesignGuidance::Source::none ||
                         design.guidance.source == DesignGuidance::Source::zero);
   if (nothing)
-    throw Failure(Exit::usage,
-                  "nothing is designed; give --design FILE, singularities, fixed vertices, or --guidance smoothest");
+    throw Failure(
+        Exit::usage,
+        "nothing is designed; give --design FILE, singularities, fixed vertices, strokes, --align-boundary, or "
+        "--guidance smoothest");
   return design;
 }
 
@@ -211,7 +322,11 @@ FieldRunOptions run_options(const DesignFile& design) {
   run.connection = design.connection.kind;
   run.polar.center = design.connection.center;
   run.global.detail = design.connection.detail;
+  run.s = design.s;
   run.cones = design.connection.cones;
+  run.balance_cones = design.connection.balance;
+  run.generator_holonomy = design.connection.holonomy;
+  run.loop_index = design.connection.loops;
   return run;
 }
 

@@ -21,14 +21,19 @@ struct DesignFlags {
   FieldRunOptions run = {};  // connection, polar.center, cones, global.detail
   std::vector<DesignSingularity> singularities = {};
   std::vector<DesignFixed> fixed = {};
+  std::vector<std::string> strokes = {};  // FILE[:WEIGHT]
+  DesignBoundary boundary = {};
+  DesignMethod method = DesignMethod::variational;
+  double s = 0;
   std::optional<DesignGuidance> guidance = {};
+  std::optional<double> t = {};
   double strength = 1;
   bool pin = false;
   std::vector<double> relative_to = {};
   std::function<std::size_t(const char* option)> count = {};  // how often an option was given
 };
 
-/// Adds --design, -n, --source ... --guidance, and the connection options.
+/// Adds --design, -n, --source ... --guidance, --method and the connection options.
 void add_design_options(CLI::App& app, DesignFlags& flags);
 
 /// The design file, if any, with what the flags add (controls, cones) and replace (n, connection, guidance). Throws

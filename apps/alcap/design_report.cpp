@@ -76,7 +76,7 @@ void fixed(const DesignRun& d, std::size_t k, const VertexConstraint& constraint
   const double achieved = nearest_angle(std::arg(u) / n, asked, 2 * pi<double> / n);
   json["asked"] = {{"vertex", f.vertex},
                    {"direction", point(frames.vector(f.vertex, std::polar(1.0, asked)))},
-                   {"length", number(f.length)}};
+                   {"length", f.free_length ? Json("free") : number(f.length)}};
   json["achieved"] = {{"direction", point(frames.vector(f.vertex, std::polar(1.0, achieved)))},
                       {"length", number(std::abs(u))}};
   json["error_degrees"] = number(report.error_degrees);
@@ -115,7 +115,17 @@ std::string control_text(const Json& c) {
   if (type == "stroke")
     return fmt::format("stroke of {} points, weight {:.4g}", asked["points"].get<std::size_t>(),
                        asked["weight"].get<double>());
+  if (type == "boundary")
+    return fmt::format("boundary {}, weight {:.4g}", asked["align"].get<std::string>(), asked["weight"].get<double>());
   return fmt::format("cone of index {:.6g} at vertex {}", asked["index"].get<double>(), asked["vertex"].get<Index>());
+}
+
+Json stroke_json(const DesignStroke& s) {
+  return {{"points", s.points.size() + s.vertices.size()}, {"weight", number(s.weight)}, {"radius", number(s.radius)}};
+}
+
+Json boundary_json(const DesignBoundary& b) {
+  return {{"align", b.normal ? "normal" : "tangent"}, {"weight", number(b.weight)}};
 }
 
 }  // namespace
@@ -134,9 +144,11 @@ Json controls_json(const DesignRun& d) {
       json = head(c.path, c.name, "fixed");
       fixed(d, k - singularities, *constraint, report, json);
     } else {
-      json = head(c.path, c.name, "stroke");
-      const DesignStroke& s = d.design.strokes[k - singularities - fixes];
-      json["asked"] = {{"points", s.points.size()}, {"weight", number(s.weight)}};
+      const bool boundary = std::holds_alternative<BoundaryAlignment>(c.control);
+      json = head(c.path, c.name, boundary ? "boundary" : "stroke");
+      json["asked"] =
+          boundary ? boundary_json(d.design.boundary) : stroke_json(d.design.strokes[k - singularities - fixes]);
+      if (!boundary) json["asked"]["faces"] = std::get<Stroke>(c.control).line.segments.size();
       json["achieved"] = {{"mean_deviation_degrees", number(report.error_degrees)}};
       json["error_degrees"] = number(report.error_degrees);
       json["met"] = report.met;
@@ -175,7 +187,7 @@ std::vector<Remark> unmet_remarks(const Json& controls) {
         what = fmt::format("face {} has index {} instead of {}", asked["face"].get<Index>(),
                            achieved["index"].get<int>(), asked["index"].get<int>());
       what += "; more strength, less guidance or fewer controls nearby help";
-    } else if (type == "stroke") {
+    } else if (type == "stroke" || type == "boundary") {
       what += " on average; more weight helps";
     } else {
       remark.first = {asked["vertex"].get<Index>()};
@@ -191,7 +203,7 @@ Json design_json(const DesignFile& design) { return Json::parse(design_text(desi
 
 Json plan_json(const DesignFile& placed, const Mesh& mesh) {
   Json list = Json::array();
-  std::size_t exact = 0, soft = 0;
+  std::size_t exact = 0;
   for (std::size_t k = 0; k < placed.singularities.size(); ++k) {
     const DesignSingularity& s = placed.singularities[k];
     exact += s.pin;
@@ -212,10 +224,13 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
     list.push_back(std::move(json));
   }
   for (std::size_t k = 0; k < placed.strokes.size(); ++k) {
-    const DesignStroke& s = placed.strokes[k];
-    soft += s.points.size();
-    Json json = head(fmt::format("/strokes/{}", k), s.name, "stroke");
-    json["asked"] = {{"points", s.points.size()}, {"weight", number(s.weight)}};
+    Json json = head(fmt::format("/strokes/{}", k), placed.strokes[k].name, "stroke");
+    json["asked"] = stroke_json(placed.strokes[k]);
+    list.push_back(std::move(json));
+  }
+  if (placed.boundary.wanted) {
+    Json json = head("/boundary", "", "boundary");
+    json["asked"] = boundary_json(placed.boundary);
     list.push_back(std::move(json));
   }
   for (std::size_t k = 0; k < placed.connection.cones.size(); ++k) {
@@ -228,14 +243,15 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
           {"faces", mesh.faces()},
           {"unknowns", mesh.referenced_vertices()},
           {"connection", name(placed.connection.kind, placed.connection.center)},
-          {"guidance", placed.guidance.source == DesignGuidance::Source::none        ? "none"
-                       : placed.guidance.source == DesignGuidance::Source::zero      ? "zero"
-                       : placed.guidance.source == DesignGuidance::Source::smoothest ? "smoothest"
-                                                                                     : placed.guidance.file.string()},
-          {"guidance_weight",
-           placed.guidance.source == DesignGuidance::Source::none ? Json(0) : number(placed.guidance.weight)},
+          {"method", placed.method == DesignMethod::eigen ? "eigen" : "variational"},
+          {"energy", number(placed.s)},
+          {"guidance", placed.guidance.source == DesignGuidance::Source::file ? placed.guidance.file.string()
+                                                                              : name(placed.guidance.source)},
+          {"guidance_weight", placed.guidance.source == DesignGuidance::Source::none || placed.guidance.t
+                                  ? Json(0)
+                                  : number(placed.guidance.weight)},
+          {"guidance_t", placed.guidance.t ? number(*placed.guidance.t) : Json(nullptr)},
           {"exact_rows", exact},
-          {"soft_rows", soft},
           {"controls", std::move(list)}};
 }
 
@@ -248,11 +264,17 @@ std::string plan_text(const Json& plan) {
   line("field", fmt::format("n = {}: one complex number at each of {} vertices, {} faces", plan["n"].get<int>(),
                             grouped(plan["unknowns"].get<std::int64_t>()), grouped(plan["faces"].get<std::int64_t>())));
   line("connection", plan["connection"].get<std::string>());
-  line("guidance",
-       guidance == "none" ? "none" : fmt::format("{}, weight {:.4g}", guidance, plan["guidance_weight"].get<double>()));
-  line("system", guidance == "none" ? "2 S u = targets" : "(2 S + w M) u = targets + w M u0");
-  line("rows", fmt::format("{} exact (pins, fixed vertices), {} soft (strokes)", plan["exact_rows"].get<std::size_t>(),
-                           plan["soft_rows"].get<std::size_t>()));
+  const bool eigen = plan["method"] == "eigen", by_t = !plan["guidance_t"].is_null();
+  line("guidance", guidance == "none" ? "none"
+                   : by_t             ? fmt::format("{}, t = {:.4g}", guidance, plan["guidance_t"].get<double>())
+                          : fmt::format("{}, weight {:.4g}", guidance, plan["guidance_weight"].get<double>()));
+  line("system", eigen                ? "S u = lambda M u, with terms of strokes and singularities in both"
+                 : guidance == "none" ? "2 S u = targets"
+                 : by_t               ? "2 (S - lambda_t M) u = targets + w M u0"
+                                      : "(2 S + w M) u = targets + w M u0");
+  if (!eigen)
+    line("rows", fmt::format("{} exact (pins, fixed vertices), softly one for each face that a stroke crosses",
+                             plan["exact_rows"].get<std::size_t>()));
   line("controls", plural(plan["controls"].size(), "control", "controls"));
   for (const Json& c : plan["controls"]) {
     const std::string given = c["name"];
@@ -275,9 +297,9 @@ std::string design_summary(const Json& report) {
                            grouped(mesh["vertices"].get<std::int64_t>()), grouped(mesh["faces"].get<std::int64_t>()),
                            mesh["components"].get<int>(), mesh["boundary_loops"].get<int>()));
   line("field",
-       fmt::format("n = {}, connection {}, guidance {}, {} rows, residual {}", report["design"]["n"].get<int>(),
-                   report["connection"]["kind"].get<std::string>(), report["guidance"]["field"].get<std::string>(),
-                   solve["rows"].get<int>(), real(solve["residual"])));
+       fmt::format("n = {}, {}, connection {}, guidance {}, {} rows, residual {}", report["design"]["n"].get<int>(),
+                   solve["method"].get<std::string>(), report["connection"]["kind"].get<std::string>(),
+                   report["guidance"]["field"].get<std::string>(), solve["rows"].get<int>(), real(solve["residual"])));
   for (const Json& c : report["controls"])
     line(c["met"].get<bool>() ? "met" : "NOT MET",
          fmt::format("{}: {}, off by {} degrees", c["path"].get<std::string>(), control_text(c),

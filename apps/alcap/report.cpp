@@ -96,6 +96,7 @@ Json options_json(const FieldRunOptions& options) {
           {"connection", name(options.connection, options.polar.center)},
           {"detail", number(options.global.detail)},
           {"cones", std::move(cones)},
+          {"balance_cones", options.balance_cones},
           {"tolerance", number(options.eigen.tolerance)},
           {"solver", options.eigen.solver},
           {"method", options.eigen.method},

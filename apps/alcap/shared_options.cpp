@@ -98,6 +98,17 @@ void add_connection_options(CLI::App& app, FieldRunOptions& options) {
       ->delimiter(',')
       ->allow_extra_args(false)
       ->group("Connection");
+  app.add_option_function<std::string>(
+         "--cones",
+         [&options](const std::string&) {
+           options.balance_cones = true;
+           options.connection = ConnectionKind::trivial;
+         },
+         "auto-balance: add cones of +-1/n to those of --cone, where the curvature is, until they sum to the Euler "
+         "characteristic")
+      ->type_name("auto-balance")
+      ->check(CLI::IsMember({"auto-balance"}))
+      ->group("Connection");
   app.add_option("--detail", options.global.detail,
                  "Of the global connection: below 1 the field ignores small bumps (fewer singularities), above 1 it "
                  "follows every detail")

@@ -4,8 +4,11 @@
 #pragma once
 
 // IWYU pragma: begin_exports
+#include "alcap/alignment.h"
 #include "alcap/assembly.h"
+#include "alcap/cones.h"
 #include "alcap/connection.h"
+#include "alcap/controls.h"
 #include "alcap/conventions.h"
 #include "alcap/design.h"
 #include "alcap/design_file.h"

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
-// design_file.h: a design as users write it down: singularities by kind and angle, fixed vertices, strokes, cones and
-// guidance, in degrees and in directions of space, as a struct and as a JSON file (docs/design.md, version 1).
+// design_file.h: a design as users write it down: singularities by kind and angle, fixed vertices, strokes, boundary,
+// cones and guidance, in degrees and in directions of space, as a struct and as a JSON file (docs/design.md, version
+// 1).
 //
 //   alcap::DesignFile design = alcap::read_design("saddle.json");
 //   design = alcap::place_design(design, mesh, V);              // points of space become faces and vertices
 //   alcap::check_design(design, mesh);                          // names what does not fit this mesh
-//   for (auto& c : alcap::design_controls(design, mesh, V, frames)) designer.add(c.control);
+//   for (auto& c : alcap::design_controls(design, mesh, V, geometry, frames)) designer.add(c.control);
 //
 // Problems are named by their place in the file (a JSON pointer such as /singularities/2/face) and their value:
 // FileError from reading, OptionError from everything else. Faces, vertices and arrays count from 0. Directions and
@@ -64,7 +65,8 @@ struct DesignFixed {
   std::optional<Vector3> direction = std::nullopt;  // of one of the n branches, projected to the tangent plane
   std::optional<double> angle = std::nullopt;       // degrees from `relative_to`, or else from the vertex frame's axis
   std::optional<Vector3> relative_to = std::nullopt;
-  double length = 1;  // |u| there
+  double length = 1;         // |u| there
+  bool free_length = false;  // only the direction is fixed
 };
 
 /// A point of a stroke. `face` and `barycentric`, or `at`.
@@ -74,10 +76,21 @@ struct DesignPoint {
   std::optional<Vector3> at = std::nullopt;  // the nearest point of the surface
 };
 
+/// A stroke is traced through every face it crosses. One of `points`, `vertices` and `path`.
 struct DesignStroke {
   std::string name = {};
   std::vector<DesignPoint> points = {};
-  double weight = 1;  // see Stroke
+  std::vector<Index> vertices = {};  // along edges, by shortest paths between those that no edge joins
+  std::vector<Vector3> path = {};    // a polyline in space, projected to the surface
+  double weight = 1;                 // see Stroke, EigenStroke
+  double radius = 0;                 // of a hat-shaped footprint, in units of the mesh; 0: the line alone
+};
+
+/// Alignment with the boundary; none unless `wanted`.
+struct DesignBoundary {
+  bool wanted = false;
+  bool normal = false;
+  double weight = 1;  // see BoundaryAlignment
 };
 
 struct DesignConnection {
@@ -85,18 +98,30 @@ struct DesignConnection {
   PolarCenter center = PolarCenter::incenter;
   double detail = 1;  // see GlobalOptions
   std::vector<Cone> cones = {};
+  bool balance = false;               // cones are added until they sum to what topology demands, see balance_cones
+  std::vector<double> holonomy = {};  // of the generators, in turns; empty: the least change
+  std::vector<double> loops = {};     // index of every boundary loop, in turns; empty: the least change
 };
 
 struct DesignGuidance {
   enum class Source {
-    none,       ///< no guidance term
-    zero,       ///< towards zero: what makes flat and trivial connections solvable without saying anything else
-    smoothest,  ///< the smoothest field of this connection
-    file,       ///< a field that alcap wrote, on the same mesh
+    none,             ///< no guidance term
+    zero,             ///< towards zero: what makes flat and trivial connections solvable without saying anything else
+    smoothest,        ///< the smoothest field of this connection
+    curvature,        ///< directions of principal curvature (n even), the largest for n = 2
+    least_curvature,  ///< n = 2: the direction of least curvature
+    file,             ///< a field that alcap wrote, on the same mesh
   };
   Source source = Source::none;
-  std::filesystem::path file = {};  // as written; read_design makes it relative to the folder of the design
-  double weight = 1;                // see DesignerOptions::guidance_weight
+  std::filesystem::path file = {};         // as written; read_design makes it relative to the folder of the design
+  double weight = 1;                       // see DesignerOptions::guidance_weight
+  std::optional<double> t = std::nullopt;  // instead of the weight, see DesignerOptions::t
+  std::vector<double> weights = {};        // per vertex, multiply the weight; empty: 1 everywhere
+};
+
+enum class DesignMethod {
+  variational,  ///< designer.h: a linear solve, exact where it says so
+  eigen,        ///< eigen_design.h: the smoothest field that follows strokes and has the singularities
 };
 
 /// Counts of the mesh that a design is for.
@@ -108,11 +133,14 @@ struct DesignFile {
   std::string comment = {};
   std::optional<DesignMesh> mesh = std::nullopt;  // given: the design refuses other meshes
   int n = 1;
+  DesignMethod method = DesignMethod::variational;
+  double s = 0;  // energy family in [-1, 1], see SmoothestOptions::s
   DesignConnection connection = {};
   DesignGuidance guidance = {};
   std::vector<DesignSingularity> singularities = {};
   std::vector<DesignFixed> fixed = {};
   std::vector<DesignStroke> strokes = {};
+  DesignBoundary boundary = {};
 };
 
 /// Reads and checks a design. Throws FileError: missing, not JSON (with the line), a key that is unknown or given
@@ -136,7 +164,8 @@ void check_design(const DesignFile& design);
 /// OptionError.
 void check_design(const DesignFile& design, const Mesh& mesh);
 
-/// The same design with `at` replaced by faces, vertices and barycentric coordinates. Throws as check_design does.
+/// The same design with `at` replaced by faces, vertices and barycentric coordinates, and a path by the points of the
+/// surface nearest to it. Throws as check_design does.
 [[nodiscard]] DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positions<double>& V);
 
 /// One control of the designer and where it came from.
@@ -146,13 +175,16 @@ struct DesignControl {
   Control control;
 };
 
-/// The controls of a placed design: singularities, then fixed vertices, then strokes. `frames` are those of the
-/// vertices for the connection of the design. Throws OptionError when a direction has no part in the tangent plane.
+/// The controls of a placed design: singularities, then fixed vertices, then strokes, then the boundary. `frames` are
+/// those of the vertices for the connection of the design. Throws OptionError when a direction has no part in the
+/// tangent plane or a stroke cannot be traced.
 [[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh,
-                                                         const Positions<double>& V, const Frames<double>& frames);
+                                                         const Positions<double>& V, const Geometry<double>& geometry,
+                                                         const Frames<double>& frames);
 
 /// Stable names: "source", "sink", ...
 [[nodiscard]] const char* name(SingularityKind kind);
+[[nodiscard]] const char* name(DesignGuidance::Source source);
 
 /// +1 or -1, in n-ths.
 [[nodiscard]] int index_of(SingularityKind kind);

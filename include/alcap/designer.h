@@ -13,87 +13,61 @@
 //   designer.set(saddle, {.face = 1200, .sign = -1, .orientation = 0.4});   // a new right-hand side, nothing else
 //   result = designer.solve();
 //
-// The matrix is factorised once. Targets change the right-hand side only; pins, fixed vertices and strokes are low-rank
-// (one backsolve per row, kept until the control changes), and beyond DesignerOptions::largest_rank strokes are folded
-// into the matrix, which is then factorised again.
+// The matrix is factorised once. Targets change the right-hand side only, and one that has been changed before keeps
+// its own solution, so that turning it costs no solve; pins, fixed vertices and strokes are low-rank (one backsolve per
+// row, kept until the control changes), and beyond DesignerOptions::largest_rank strokes are folded into the matrix,
+// which is then factorised again. Const functions may be called from several threads at once.
 #pragma once
 
-#include <array>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
-#include <variant>
+#include <string>
+#include <string_view>
 #include <vector>
 
+#include "alcap/controls.h"
 #include "alcap/field.h"
 #include "alcap/operators.h"
 #include "alcap/solve.h"
-#include "alcap/strokes.h"
 
 namespace alcap {
-
-/// A singularity of index sign/n asked for in a face.
-struct SingularityTarget {
-  Index face = none;
-  int sign = 1;  // +1: source, vortex, spiral (n = 1), wedge; -1: saddle, trisector
-  /// As Singularity::orientation, radians in the face's frame. n = 1, positive: 0 source, pi/2 vortex, pi sink.
-  /// Otherwise the direction of one of the |n - sign| straight branches of the pattern.
-  double orientation = 0;
-  double strength = 1;  // 1 holds against a guidance field of unit length, on every mesh and in every unit
-  /// Puts the zero exactly here, inside `face`, whatever the rest of the design wants.
-  std::optional<std::array<double, 3>> pin = std::nullopt;
-};
-
-/// The field at a vertex, as an n-th power in the vertex frame: u[vertex] = value exactly.
-struct VertexConstraint {
-  Index vertex = none;
-  Complex<double> value = 1;
-};
-
-/// Soft alignment with a polyline on the surface: the field is drawn to unit vectors along it. Each point speaks for
-/// half of its two segments; its tangent is the mean of theirs, projected to its face. A line of strokes.h in place of
-/// points is followed through every face it crosses, at the middle of each segment.
-struct Stroke {
-  std::vector<SurfacePoint> points = {};  // at least two, in order
-  double weight = 1;                      // larger follows closer; the report says how close it came
-  SurfacePolyline line = {};              // instead of points
-};
 
 struct DesignerOptions {
   int n = 1;
   /// Weight of the guidance field, in units of 2 lambda_min of a round sphere of the same area: 1 weighs closeness to
   /// u0 like smoothness. 0: no guidance; the system is then singular on flat and trivial connections, which is refused.
   double guidance_weight = 0;
+  /// The guidance field in the form of Knoeppel et al. 2013, (S - lambda_t M) u = M u0, instead of guidance_weight: t
+  /// is lambda_t in units of lambda_min of a round sphere of the same area. -1 is guidance_weight = 1, smaller is
+  /// closer to u0, and towards lambda_1 the field becomes the smoothest one. Must be below lambda_1, which is checked.
+  std::optional<double> t = std::nullopt;
+  double s = 0;  // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
   // How targets are integrated. The area form is the one S itself is made of, so a lone target is met exactly; with the
   // edge form a few faces of very coarse meshes miss theirs.
   OperatorKind kind = OperatorKind::triangle;
   int largest_rank = 256;       // rows of strokes kept as an update; beyond, refactorising is cheaper
   std::string solver = "auto";  // linear backend
-};
-
-using Control = std::variant<SingularityTarget, VertexConstraint, Stroke>;
-enum class ControlId : int {};
-
-/// What became of one control.
-struct ControlReport {
-  ControlId id{};
-  bool met = false;
-  int index = 0;             ///< targets: index found in the face (n-ths)
-  double error_degrees = 0;  ///< targets: of orientation; strokes: mean deviation; fixed vertices: of direction
+  /// Called on the calling thread when a phase starts: "assembly", "analyse", "factorise", "rows" (several times),
+  /// "solve", "analysis". An exception thrown here ends the call and reaches the caller; the designer stays as it was
+  /// and can be used again.
+  std::function<void(std::string_view phase)> progress = {};
 };
 
 struct DesignResult {
   Field<double> field;
   std::vector<ControlReport> controls;  ///< in the order of their ids
   int rows = 0;                         ///< low-rank rows in this solve
-  double residual = 0;                  ///< relative residual of the solve before the rows, recomputed
+  int solves = 0;                       ///< right-hand sides solved for by this call
+  double residual = 0;                  ///< relative residual of the solution before the rows, recomputed
   double seconds = 0;
 };
 
 class Designer {
  public:
-  /// Keeps references: mesh, V, geometry and connection must outlive it. Throws OptionError for bad options, SolveError
-  /// when the system is singular (a parallel field exists and there is no guidance weight).
+  /// Keeps references: mesh, V, geometry and connection must outlive it. Throws OptionError for bad options, for t not
+  /// below lambda_1 and for a system that is singular (a parallel field exists and there is no guidance weight).
   Designer(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
            const Connection<double>& connection, const DesignerOptions& options = {});
   ~Designer();
@@ -108,8 +82,14 @@ class Designer {
   [[nodiscard]] const std::map<ControlId, Control>& controls() const;
 
   /// The field to stay close to (same mesh and n; its frames are not read). Throws OptionError without a guidance
-  /// weight.
+  /// weight or t.
   void set_guidance(const ComplexVectorX<double>& u0);
+  /// Another weight, in the units of the option: a numeric factorisation, no analysis. Throws OptionError as the
+  /// constructor does, and leaves the old weight then. Ends the use of `t`.
+  void set_guidance_weight(double weight);
+  /// Weights per vertex (#V, none negative, not all zero) that multiply the guidance weight: w int |u - u0|^2 becomes w
+  /// int |sum_i sqrt(weights_i) Psi_i (u_i - u0_i)|^2. A numeric factorisation. Throws OptionError.
+  void set_guidance_weights(const VectorX<double>& weights);
 
   /// Solves the design. Without any control or guidance the answer would be zero: throws OptionError instead.
   [[nodiscard]] DesignResult solve();

@@ -1,23 +1,27 @@
 // SPDX-License-Identifier: MIT
 //
-// eigen_design.h: the smoothest field that follows strokes (LTGD 2016, Sec. 7.2): per component the smallest eigenpair
-// of
+// eigen_design.h: the smoothest field that follows strokes and has singularities where and how they are asked for
+// (LTGD 2016, Sec. 7.2): per component the smallest eigenpair of
 //   (S + w int |d/ds (u - (u.c) c)|^2 ds) u = lambda (M + w int |u.c|^2 ds) u
 // for polylines with unit tangent c. The part of the field across the stroke is kept constant along it, the part along
 // the stroke is rewarded; the length of the field is not drawn to any value. For n-fields c is its n-th power.
+// Singularities reward the flux P u (or Q u, for negative ones) of their faces in the direction asked for, and penalise
+// it across. One square holds the fluxes of all of a component's targets and, beside those of their own, the means of
+// its strokes, so that all take the same sign: with one square each, any of them could come out opposite.
 //
 //   auto line = alcap::stroke_from_space(mesh, V, geometry, points);
-//   auto result = alcap::eigen_design(mesh, geometry, connection, frames, {{.line = line}}, {.n = 4});
+//   auto result = alcap::eigen_design(mesh, geometry, connection, frames,
+//                                     {.strokes = {{.line = line}}, .singularities = {{.face = 12, .sign = -1}}},
+//                                     {.n = 4});
 //   result.field.u, result.components[0].lambda, result.strokes[0].mean_degrees ...
 //
-// A field and its opposite follow a stroke equally well here: with several strokes each one takes the sign that is
-// smoothest (for even n the opposite of the n-th power lies across the stroke, which the report tells). The overall
-// sign is the one that follows the strokes more than it opposes them.
+// A field and its opposite follow a single stroke equally well: of both, the one that goes with the controls is returned.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "alcap/controls.h"
 #include "alcap/design.h"
 #include "alcap/strokes.h"
 
@@ -35,6 +39,12 @@ struct EigenStroke {
   /// w in units of 10 sqrt(area of the component): 1 means the same on every mesh and in every unit. 1 draws the field
   /// to within a few degrees of the stroke, 100 to what the polyline's own corners leave.
   double weight = 1;
+};
+
+struct EigenControls {
+  std::vector<EigenStroke> strokes = {};
+  /// Strength 1 outweighs the smoothest field of a surface without targets several times. Pins go with designer.h only.
+  std::vector<SingularityTarget> singularities = {};
 };
 
 struct EigenDesignOptions {
@@ -62,19 +72,19 @@ struct EigenDesignResult {
   Field<double> field;                  ///< int |u|^2 = 1 on every component
   std::vector<EigenReport> components;  ///< one per component, in the order of topology.h
   std::vector<EigenStrokeReport> strokes;
+  std::vector<ControlReport> singularities;  ///< as of designer.h; ids are their positions
   double assembly_seconds = 0;
   double eigen_seconds = 0;
 };
 
-/// Solves; without strokes as smoothest_field(). Throws OptionError for n < 1, s outside [-1, 1], bad weights, or
-/// strokes that are empty or name faces the mesh has not. Non-convergence is reported. O(factorisation); the derivative
-/// along the stroke is the difference quotient of the part across it between the middles of its pieces (one per face,
-/// where the tangent is that of the smooth curve to second order), everything else is the closed-form basis integrated
-/// by three Gauss points per segment.
+/// Solves; without controls as smoothest_field(). Throws OptionError for n < 1, s outside [-1, 1], bad weights, pins,
+/// or strokes and singularities that are empty or name faces the mesh has not. Non-convergence is reported.
+/// O(factorisation); the derivative along the stroke is the difference quotient of the part across it between the
+/// middles of its pieces (one per face, where the tangent is that of the smooth curve to second order), everything else
+/// is the closed-form basis integrated by three Gauss points per segment.
 [[nodiscard]] EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometry,
                                              const Connection<double>& connection,
                                              std::shared_ptr<const Frames<double>> frames,
-                                             const std::vector<EigenStroke>& strokes,
-                                             const EigenDesignOptions& options = {});
+                                             const EigenControls& controls, const EigenDesignOptions& options = {});
 
 }  // namespace alcap

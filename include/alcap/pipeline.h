@@ -15,6 +15,7 @@
 #include <string_view>
 #include <vector>
 
+#include "alcap/cones.h"
 #include "alcap/connection.h"
 #include "alcap/design.h"
 #include "alcap/field.h"
@@ -36,7 +37,10 @@ struct FieldRunOptions {
   PolarOptions polar = {};                             // read when connection is polar
   GlobalOptions global = {};     // read when connection is global; its weights also measure D_T and D_E of the others
   std::vector<Cone> cones = {};  // read when connection is trivial: they must sum to the Euler characteristic
-  EigenOptions eigen = {};       // tolerance and solver
+  bool balance_cones = false;    // or, with this, are added until they do, see cones.h
+  std::vector<double> generator_holonomy = {};  // of the trivial connection, see TrivialOptions
+  std::vector<double> loop_index = {};          // of the trivial connection, see TrivialOptions
+  EigenOptions eigen = {};                      // tolerance and solver
   std::vector<Repair> repairs = {};  // none by default: a mesh is not changed unasked. Welding always comes first
   bool normalise = false;            // true: divide by |u| afterwards, an n-direction field
   int threads = 0;                   // 0: as many as the machine has; results do not depend on it
@@ -81,6 +85,7 @@ struct FieldRun {
   Topology topology;
   Geometry<double> geometry;
   Connection<double> connection;
+  std::vector<Cone> cones;  ///< of a trivial connection, those that were added included
   Field<double> field;
   std::vector<EigenReport> eigen;          ///< per component, in the order of topology
   std::vector<int> indices;                ///< #F, in n-ths
@@ -100,9 +105,13 @@ struct FieldRun {
 [[nodiscard]] Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vector<Repair>& repairs,
                                   std::vector<Remark>& remarks);
 
-/// The connection that the options describe. Throws OptionError.
+/// The cones that the options describe: balanced if wanted, none unless the connection is trivial. Throws OptionError.
+[[nodiscard]] std::vector<Cone> make_cones(const Mesh& mesh, const Geometry<double>& geometry,
+                                           const FieldRunOptions& options);
+
+/// The connection that the options describe, with cones = make_cones(). Throws OptionError.
 [[nodiscard]] Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry,
-                                                 const FieldRunOptions& options);
+                                                 const FieldRunOptions& options, const std::vector<Cone>& cones);
 
 /// What is worth saying about a mesh that can be used: unreferenced vertices, pieces that only touch, boundary,
 /// slivers.

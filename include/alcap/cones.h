@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// cones.h: cones of a trivial connection that sum to what topology demands, for those who know only some of them.
+//
+//   std::vector<alcap::Cone> cones = alcap::balance_cones(mesh, geometry, {{.vertex = 12, .index = 0.25}}, {.n = 4});
+//   auto connection = alcap::trivial(mesh, geometry, cones, {.n = 4});
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "alcap/connection.h"
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+
+namespace alcap {
+
+struct BalanceOptions {
+  int n = 1;                    // cones are added in steps of 1/n
+  std::string solver = "auto";  // backend of the Poisson solves
+};
+
+/// The given cones, and behind them as many of index +1/n or -1/n as each closed component lacks to its Euler
+/// characteristic. Each is placed where the Gaussian curvature that no cone accounts for yet is strongest felt: at the
+/// extremum of the potential L phi = curvature - 2 pi cones - mean (conformal factor; Ben-Chen, Gotsman, Bunin 2008).
+/// Components with boundary get none: their loops take what is left. O(cones) solves with one factorisation. Throws
+/// OptionError for cones that trivial() would refuse.
+[[nodiscard]] std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry<double>& geometry,
+                                              const std::vector<Cone>& cones, const BalanceOptions& options = {});
+
+}  // namespace alcap

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+//
+// controls.h: what a design can ask of a field (LTGD 2016, Sec. 7), and what became of it. Used by designer.h
+// (variational) and eigen_design.h (smoothest); design_file.h writes them down.
+//
+//   alcap::SingularityTarget saddle{.face = 1200, .sign = -1, .orientation = 0.3};
+//   alcap::Stroke stroke{.line = alcap::stroke_from_space(mesh, V, geometry, points), .radius = 0.05};
+#pragma once
+
+#include <array>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "alcap/conventions.h"
+#include "alcap/strokes.h"
+
+namespace alcap {
+
+/// A singularity of index sign/n asked for in a face.
+struct SingularityTarget {
+  Index face = none;
+  int sign = 1;  // +1: source, vortex, spiral (n = 1), wedge; -1: saddle, trisector
+  /// As Singularity::orientation, radians in the face's frame. n = 1, positive: 0 source, pi/2 vortex, pi sink.
+  /// Otherwise the direction of one of the |n - sign| straight branches of the pattern.
+  double orientation = 0;
+  double strength = 1;  // 1 holds against a guidance field of unit length, on every mesh and in every unit
+  /// Puts the zero exactly here, inside `face`, whatever the rest of the design wants.
+  std::optional<std::array<double, 3>> pin = std::nullopt;
+};
+
+/// The field at a vertex, as an n-th power in the vertex frame: u[vertex] = value exactly, or, with `direction_only`,
+/// a real multiple of it (the report tells when the multiple came out negative).
+struct VertexConstraint {
+  Index vertex = none;
+  Complex<double> value = 1;
+  bool direction_only = false;
+};
+
+/// Soft alignment with a polyline on the surface: the field is drawn to unit vectors along it. A line of strokes.h is
+/// followed through every face it crosses, at the middle of each segment. Or give points: each speaks for half of its
+/// two segments, and its tangent is the mean of theirs, projected to its face.
+struct Stroke {
+  std::vector<SurfacePoint> points = {};  // at least two, in order
+  double weight = 1;                      // larger follows closer; the report says how close it came
+  SurfacePolyline line = {};              // instead of points
+  /// Half the width of a hat-shaped footprint, in units of length of the mesh: vertices this close are drawn along too,
+  /// less the farther they are. The weight is spread, not multiplied. 0: the line alone. Goes with `line`.
+  double radius = 0;
+};
+
+/// Soft alignment with every boundary loop: along it, or across it. Weights as of a stroke along the boundary.
+struct BoundaryAlignment {
+  bool normal = false;
+  double weight = 1;
+};
+
+using Control = std::variant<SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment>;
+enum class ControlId : int {};
+
+/// What became of one control.
+struct ControlReport {
+  ControlId id{};
+  bool met = false;
+  int index = 0;             ///< targets: index found in the face (n-ths)
+  double error_degrees = 0;  ///< targets: of orientation; strokes, boundary: mean deviation; fixed vertices: direction
+};
+
+}  // namespace alcap
