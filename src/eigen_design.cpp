@@ -21,13 +21,16 @@ using C = Complex<double>;
 
 // w of a stroke of weight 1, in units of sqrt(area): measured to align to a few degrees on spheres, tori and disks.
 constexpr double stroke_scale = 10;
+// Reward of the mean along a stroke, beside that of the square: without it the field may turn back halfway, which for
+// even n means across.
+constexpr double mean_reward = 10;
 // A stroke within this many degrees on average is followed.
 constexpr double met_degrees = 10;
 // A singularity is met when its orientation is off by no more than this.
 constexpr double target_degrees = 0.5;
 // Reward of the flux of a target of strength 1, in units of area of the component over area of its face: enough for the
 // eigenvalue to fall well below the smoothest field's, so that the field is what the targets make of it.
-constexpr double target_reward = 10;
+constexpr double target_reward = 1000;
 // Penalty of the flux across, in units of 1 / area of the face.
 constexpr double target_penalty = 1e4;
 
@@ -175,16 +178,15 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
   std::vector<TargetFlux> fluxes;
   // One square over everything that has a sign, so that all of it takes the same one.
   std::vector<detail::RealRow> joint(areas.size());
-  std::vector<int> signs(areas.size(), 0);
   for (std::size_t k = 0; k < strokes.size(); ++k) {
     const std::size_t c = component_of(strokes[k]);
-    const double length = strokes[k].line.length();
-    const double scale = std::sqrt(strokes[k].weight * stroke_scale * std::sqrt(areas[c]) / length);
+    const double weight = mean_reward * strokes[k].weight * stroke_scale * std::sqrt(areas[c]);
+    const double scale = std::sqrt(weight / strokes[k].line.length());
     for (const detail::StrokeSample& sample : samples[k])
       for (std::size_t v = 0; v < 3; ++v)
         joint[c].add(local[static_cast<std::size_t>(sample.vertex[v])],
                      scale * sample.ds * std::conj(sample.coefficient[v]));
-    ++signs[c];
+    sizes[c] += weight * strokes[k].line.length();
   }
   const auto component_of_target = [&](const SingularityTarget& target) {
     return static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(target.face)]);
@@ -202,10 +204,8 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
       sizes[c] += target.strength * target.strength * target_reward * areas[c];
     }
   }
-  // A single stroke needs none: its sign is chosen afterwards.
-  for (const SingularityTarget& target : controls.singularities) signs[component_of_target(target)] += 2;
   for (std::size_t c = 0; c < areas.size(); ++c)
-    if (signs[c] > 1) rows[c].along.push_back(std::move(joint[c]));
+    if (!joint[c].vertex.empty()) rows[c].along.push_back(std::move(joint[c]));
   result.assembly_seconds = seconds_since(start);
 
   const auto solve_start = std::chrono::steady_clock::now();
