@@ -12,7 +12,7 @@ using perf::Prepared;
 void global(benchmark::State& state, const Prepared& p, int threads, double detail) {
   Connection<double> c;
   perf::timed(state, threads, [&] { c = globally_optimal(p.mesh, p.geometry, {.detail = detail}); });
-  state.counters["iterations"] = c.report.iterations;
+  state.counters["its"] = c.report.iterations;
   state.counters["converged"] = c.report.converged ? 1 : 0;
   const auto force = [&](const Connection<double>& at, Index h) {
     const Index t = Mesh::face(h), k = h - 3 * t;

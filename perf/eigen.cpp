@@ -22,7 +22,7 @@ void ours(benchmark::State& state, const Prepared& p, int threads, int n, const 
   perf::timed(state, threads, [&] {
     result = smallest_eigenpair(S, M, p.geometry.total_area(), {.tolerance = 1e-6, .method = method});
   });
-  state.counters["iterations"] = result.report.iterations;
+  state.counters["its"] = result.report.iterations;
   state.counters["residual"] = perf::eigen_residual(S, M, result.u);
   state.SetLabel(result.report.solver);
 }
@@ -44,7 +44,7 @@ void baseline(benchmark::State& state, const Prepared& p, int threads, int n, co
       u /= u.norm();
     }
   });
-  state.counters["iterations"] = count;
+  state.counters["its"] = count;
   state.counters["residual"] = perf::eigen_residual(S, M, u);
 }
 

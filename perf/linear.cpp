@@ -52,7 +52,7 @@ void declare(const perf::Plan& plan) {
           const auto solver = setup(s);
           SolveReport report;
           perf::timed(state, threads, [&] { report = solver->solve(s.b, x); });
-          state.counters["iterations"] = report.iterations;
+          state.counters["its"] = report.iterations;
           state.counters["residual"] = (perf::product(s.A, x) - s.b).norm() / s.b.norm();
           state.counters["bytes/vertex"] = 20.0 * double(report.factor_nonzeros) / p.mesh.vertices();
         },

@@ -1,36 +1,80 @@
 // SPDX-License-Identifier: MIT
 //
-// topology.cpp: components by flooding the faces in order, boundary loops, and parts as meshes of their own.
+// topology.cpp: components by joining faces across edges, in parallel, boundary loops, and parts as meshes of their
+// own.
 #include "alcap/topology.h"
 
+#include <atomic>
 #include <string>
+#include <utility>
+
+#include "alcap/parallel.h"
 
 namespace alcap {
 namespace {
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
-void flood_components(const Mesh& mesh, Topology& topology) {
-  topology.face_component.assign(at(mesh.faces()), none);
-  topology.vertex_component.assign(at(mesh.vertices()), none);
-  std::vector<Index> queue;
-  for (Index seed = 0; seed < mesh.faces(); ++seed) {
-    if (topology.face_component[at(seed)] != none) continue;
-    const Index component = static_cast<Index>(topology.components.size());
-    topology.components.emplace_back();
-    topology.components.back().first_face = seed;
-    topology.face_component[at(seed)] = component;
-    queue.assign(1, seed);
-    for (std::size_t q = 0; q < queue.size(); ++q) {
-      for (Index h = 3 * queue[q]; h < 3 * queue[q] + 3; ++h) {
-        topology.vertex_component[at(mesh.tail(h))] = component;
-        const Index twin = mesh.twin(h);
-        if (twin == none || topology.face_component[at(Mesh::face(twin))] != none) continue;
-        topology.face_component[at(Mesh::face(twin))] = component;
-        queue.push_back(Mesh::face(twin));
-      }
+// Faces joined across edges by a forest in which every face points to a smaller one or to itself: the root of a
+// component is its smallest face, whichever thread joined what.
+class FaceForest {
+ public:
+  explicit FaceForest(Index faces) : parent_(at(faces)) {
+    parallel_for(faces, [&](std::int64_t t) { parent_[static_cast<std::size_t>(t)] = static_cast<Index>(t); });
+  }
+
+  Index root(Index t) {
+    for (Index above = load(t); above != t;) {
+      const Index next = load(above);
+      slot(t).compare_exchange_weak(above, next, std::memory_order_relaxed);  // halves the path; it may fail
+      t = next;
+      above = load(t);
+    }
+    return t;
+  }
+
+  void join(Index s, Index t) {
+    for (;;) {
+      s = root(s);
+      t = root(t);
+      if (s == t) return;
+      if (s < t) std::swap(s, t);
+      Index expected = s;
+      if (slot(s).compare_exchange_strong(expected, t, std::memory_order_relaxed)) return;
     }
   }
+
+ private:
+  std::atomic_ref<Index> slot(Index t) { return std::atomic_ref<Index>(parent_[at(t)]); }
+  Index load(Index t) { return slot(t).load(std::memory_order_relaxed); }
+  std::vector<Index> parent_;
+};
+
+// Components in the order of their smallest faces.
+void find_components(const Mesh& mesh, Topology& topology) {
+  FaceForest forest(mesh.faces());
+  parallel_for(mesh.edges(), [&](std::int64_t e) {
+    const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
+    if (g != none) forest.join(Mesh::face(h), Mesh::face(g));
+  });
+  std::vector<Index> number(at(mesh.faces()));
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    number[static_cast<std::size_t>(t)] = forest.root(static_cast<Index>(t)) == t ? 1 : 0;
+  });
+  topology.components.resize(at(parallel_exclusive_scan(number.data(), mesh.faces())));
+  topology.face_component.resize(at(mesh.faces()));
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    const Index root = forest.root(static_cast<Index>(t));
+    const Index component = number[at(root)];
+    topology.face_component[static_cast<std::size_t>(t)] = component;
+    if (root == t) topology.components[at(component)].first_face = root;
+  });
+  topology.vertex_component.resize(at(mesh.vertices()));
+  parallel_for(mesh.vertices(), [&](std::int64_t v) {
+    const Index h = mesh.first(static_cast<Index>(v));
+    topology.vertex_component[static_cast<std::size_t>(v)] =
+        h == none ? none : topology.face_component[at(Mesh::face(h))];
+  });
 }
 
 void trace_loops(const Mesh& mesh, Topology& topology) {
@@ -52,15 +96,21 @@ void trace_loops(const Mesh& mesh, Topology& topology) {
 
 Topology find_topology(const Mesh& mesh) {
   Topology topology;
-  flood_components(mesh, topology);
+  find_components(mesh, topology);
   trace_loops(mesh, topology);
   std::vector<ComponentInfo>& components = topology.components;
-  for (const Index c : topology.vertex_component) {
-    if (c != none) ++components[at(c)].vertices;
-  }
-  for (const Index c : topology.face_component) ++components[at(c)].faces;
-  for (Index e = 0; e < mesh.edges(); ++e) {
-    ++components[at(topology.face_component[at(Mesh::face(mesh.halfedge(e)))])].edges;
+  if (components.size() == 1) {
+    components[0].vertices = mesh.referenced_vertices();
+    components[0].edges = mesh.edges();
+    components[0].faces = mesh.faces();
+  } else {
+    for (const Index c : topology.vertex_component) {
+      if (c != none) ++components[at(c)].vertices;
+    }
+    for (const Index c : topology.face_component) ++components[at(c)].faces;
+    for (Index e = 0; e < mesh.edges(); ++e) {
+      ++components[at(topology.face_component[at(Mesh::face(mesh.halfedge(e)))])].edges;
+    }
   }
   for (const Loop& loop : topology.loops) ++components[at(loop.component)].boundary_loops;
   for (ComponentInfo& c : components) {

@@ -26,6 +26,7 @@ set(layers
   eigen_design
   design_file
   pipeline
+  batch
   output
   alcap)
 # Other files and folders (as regular expressions) = the layer they belong to.

@@ -6,6 +6,7 @@
 // IWYU pragma: begin_exports
 #include "alcap/alignment.h"
 #include "alcap/assembly.h"
+#include "alcap/batch.h"
 #include "alcap/cones.h"
 #include "alcap/connection.h"
 #include "alcap/controls.h"

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+//
+// batch.h: many meshes at once, each on one thread. For meshes of a few thousand triangles this is several times faster
+// than one mesh after the other on all threads, and the results are the same to the last bit.
+//
+//   alcap::run_batch(meshes.size(), {.field = {.n = 4}},
+//                    [&](alcap::Context& context, std::int64_t i) {
+//                      const alcap::FieldRun& run = context.run(meshes[i].V, meshes[i].F);
+//                      lambda[i] = run.eigen[0].lambda;
+//                    },
+//                    [&](std::int64_t i, const std::exception& error) { bad[i] = error.what(); });
+#pragma once
+
+#include <cstdint>
+#include <exception>
+#include <functional>
+
+#include "alcap/pipeline.h"
+
+namespace alcap {
+
+/// One thread's workplace: computes fields on the calling thread alone and keeps the last one. Several contexts may
+/// work at the same time; one context belongs to one thread at a time.
+class Context {
+ public:
+  /// `threads` and `progress` of the options are not used.
+  explicit Context(FieldRunOptions options = {});
+
+  /// run_field() on this thread; throws what it throws. The reference holds until the next call.
+  const FieldRun& run(const Positions<double>& V, const Faces& F);
+
+  [[nodiscard]] const FieldRunOptions& options() const { return options_; }
+
+ private:
+  FieldRunOptions options_;
+  FieldRun run_;
+};
+
+struct BatchOptions {
+  FieldRunOptions field = {};  // of every context
+  int jobs = 0;                // meshes at a time; 0: as many as the machine has threads
+};
+
+/// Calls work(context, i) for every i in [0, count), `jobs` at a time, in about this order, each on one thread with
+/// that thread's context. What work throws goes to failed(i, error), one call at a time, and the others go on; an
+/// exception thrown by `failed` ends the batch and reaches the caller. Anything thrown that is no std::exception ends
+/// it as well. Throws OptionError for negative count or jobs.
+void run_batch(std::int64_t count, const BatchOptions& options,
+               const std::function<void(Context& context, std::int64_t i)>& work,
+               const std::function<void(std::int64_t i, const std::exception& error)>& failed);
+
+}  // namespace alcap
