@@ -245,8 +245,14 @@ DesignConnection read_connection(const Node& node) {
   if (const auto x = node.find("detail")) c.detail = x->number();
   if (const auto x = node.find("cones")) {
     for (const Node& cone : x->list()) {
-      cone.keys({"vertex", "index"});
-      c.cones.push_back({.vertex = cone.at("vertex").whole<Index>(), .index = cone_index(cone.at("index"))});
+      cone.keys({"vertex", "at", "index"});
+      const double index = cone_index(cone.at("index"));
+      const auto vertex = cone.find("vertex"), at = cone.find("at");
+      if (vertex.has_value() == at.has_value()) cone.fail("needs either vertex or at");
+      if (vertex)
+        c.cones.push_back({.vertex = vertex->whole<Index>(), .index = index});
+      else
+        c.cones_at.push_back({.at = at->triple(), .index = index});
     }
   }
   if (const auto x = node.find("balance")) {

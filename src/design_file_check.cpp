@@ -120,13 +120,14 @@ void check(const std::string& path, const DesignStroke& s) {
     throw Problem{path + "/radius", number_text(s.radius), "must be finite and not negative"};
 }
 
+void check_turn(const std::string& path, double turns, int n) {
+  const double count = turns * n;
+  if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
+    throw Problem{path, number_text(turns), "must be a multiple of 1/n = 1/" + std::to_string(n)};
+}
+
 void check_turns(const std::string& path, const std::vector<double>& turns, int n) {
-  for (std::size_t k = 0; k < turns.size(); ++k) {
-    const double count = turns[k] * n;
-    if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
-      throw Problem{path + "/" + std::to_string(k), number_text(turns[k]),
-                    "must be a multiple of 1/n = 1/" + std::to_string(n)};
-  }
+  for (std::size_t k = 0; k < turns.size(); ++k) check_turn(path + "/" + std::to_string(k), turns[k], n);
 }
 
 void check(const DesignGuidance& g, int n) {
@@ -228,6 +229,8 @@ void detail::check_design_values(const DesignFile& design) {
   };
   if (!design.connection.cones.empty())
     only_trivial("cones", std::to_string(design.connection.cones.size()) + " cones");
+  if (!design.connection.cones_at.empty())
+    only_trivial("cones", std::to_string(design.connection.cones_at.size()) + " cones");
   if (design.connection.balance) only_trivial("balance", "true");
   if (!design.connection.holonomy.empty())
     only_trivial("holonomy", std::to_string(design.connection.holonomy.size()) + " values");
@@ -239,10 +242,12 @@ void detail::check_design_values(const DesignFile& design) {
     const Cone& cone = design.connection.cones[k];
     if (cone.vertex < 0)
       throw Problem{at("connection/cones", k) + "/vertex", std::to_string(cone.vertex), "must not be negative"};
-    const double count = cone.index * design.n;
-    if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
-      throw Problem{at("connection/cones", k) + "/index", number_text(cone.index),
-                    "must be a multiple of 1/n = 1/" + std::to_string(design.n)};
+    check_turn(at("connection/cones", k) + "/index", cone.index, design.n);
+  }
+  for (std::size_t k = 0; k < design.connection.cones_at.size(); ++k) {
+    const std::string path = at("connection/cones", design.connection.cones.size() + k);
+    check_point(path + "/at", design.connection.cones_at[k].at);
+    check_turn(path + "/index", design.connection.cones_at[k].index, design.n);
   }
   check(design.guidance, design.n);
   if (design.boundary.wanted) check_positive("/boundary/weight", design.boundary.weight);

@@ -96,6 +96,9 @@ DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positi
     if (!locator) locator.emplace(mesh, V);
     return locator->closest(row(at));
   };
+  for (const DesignConeAt& cone : placed.connection.cones_at)
+    placed.connection.cones.push_back({.vertex = nearest_vertex(mesh, V, cone.at), .index = cone.index});
+  placed.connection.cones_at.clear();
   for (DesignSingularity& s : placed.singularities) {
     if (s.at) {
       const SurfacePoint point = nearest_point(*s.at);

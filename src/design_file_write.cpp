@@ -77,6 +77,7 @@ Json json_of(const DesignConnection& c) {
                                                        : "polar";
   if (c.detail != 1) json["detail"] = c.detail;
   for (const Cone& cone : c.cones) json["cones"].push_back({{"vertex", cone.vertex}, {"index", cone.index}});
+  for (const DesignConeAt& cone : c.cones_at) json["cones"].push_back({{"at", cone.at}, {"index", cone.index}});
   if (c.balance) json["balance"] = true;
   if (!c.holonomy.empty()) json["holonomy"] = c.holonomy;
   if (!c.loops.empty()) json["loops"] = c.loops;

@@ -281,7 +281,10 @@ DesignFile make_design(const DesignFlags& flags) {
   if (flags.count("--connection") > 0 || flags.count("--cone") > 0 || flags.count("--cones") > 0) {
     design.connection.kind = flags.run.connection;
     design.connection.center = flags.run.polar.center;
-    if (flags.run.connection != ConnectionKind::trivial) design.connection.cones.clear();
+    if (flags.run.connection != ConnectionKind::trivial) {
+      design.connection.cones.clear();
+      design.connection.cones_at.clear();
+    }
   }
   for (const Cone& cone : flags.run.cones) design.connection.cones.push_back(cone);
   if (flags.count("--detail") > 0) design.connection.detail = flags.run.global.detail;

@@ -93,11 +93,18 @@ struct DesignBoundary {
   double weight = 1;  // see BoundaryAlignment
 };
 
+/// A cone at the vertex nearest to a point.
+struct DesignConeAt {
+  Vector3 at{};
+  double index = 0;  // see Cone
+};
+
 struct DesignConnection {
   ConnectionKind kind = ConnectionKind::global;  // trivial: with the cones
   PolarCenter center = PolarCenter::incenter;
   double detail = 1;  // see GlobalOptions
   std::vector<Cone> cones = {};
+  std::vector<DesignConeAt> cones_at = {};
   bool balance = false;               // cones are added until they sum to what topology demands, see balance_cones
   std::vector<double> holonomy = {};  // of the generators, in turns; empty: the least change
   std::vector<double> loops = {};     // index of every boundary loop, in turns; empty: the least change
