@@ -6,7 +6,7 @@ add_test(NAME umbrella_is_complete COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SO
 if(NOT TARGET alcap_cli)
   return()
 endif()
-foreach(topic IN ITEMS cli_field cli_bad_input cli_commands cli_design)
+foreach(topic IN ITEMS cli_batch cli_field cli_bad_input cli_commands cli_design)
   alcap_test(${topic} alcap_dep_JSON)
   target_compile_definitions(test_${topic} PRIVATE ALCAP_CLI="$<TARGET_FILE:alcap_cli>"
     ALCAP_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -11,6 +11,7 @@
 
 #include "alcap/memory.h"
 #include "alcap/output.h"
+#include "batch_field.h"
 #include "commands.h"
 #include "outputs.h"
 #include "report.h"
@@ -28,6 +29,7 @@ constexpr const char* footer =
     "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
     "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
     "  alcap field bunny.ply --json                 no files, just the certificate\n"
+    "  alcap field --batch list.txt -j 2 -o out     every mesh named in list.txt\n"
     "\n"
     "The files hold n-vectors: long where the field is sure, short near singularities. --unit makes them\n"
     "directions of length 1. Exit code 5 means that the files were written but the report's certificate does\n"
@@ -38,6 +40,7 @@ struct FieldOptions {
   FieldRunOptions run = {};
   std::filesystem::path output = {};
   std::vector<std::string> formats = {};  // all
+  BatchChoice batch = {};
 };
 
 std::string fraction(std::int64_t count, int n) {
@@ -185,10 +188,23 @@ Outcome run(FieldOptions options, Progress& progress) {
   return outcome;
 }
 
+Outcome run_batch_of(FieldOptions options, const Common& common) {
+  if (!options.mesh.path.empty()) {
+    throw Failure(Exit::usage, "MESH and --batch exclude each other; put the mesh into the list",
+                  {{"option", "--batch"}});
+  }
+  options.batch.folder = options.output;
+  options.batch.formats = options.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options);
+  options.run.repairs = options.mesh.repairs;
+  return run_field_batch(options.batch, options.mesh, options.run, common);
+}
+
 std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
   auto options = std::make_shared<FieldOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
+  app.get_option("mesh")->required(false);  // or --batch
+  add_batch_options(app, options->batch);
   app.add_option("-n,-r,--degree,--rosy", options->run.n,
                  "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal; any n >= 1")
       ->type_name("N")
@@ -211,7 +227,11 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->check(CLI::Range(-1.0, 1.0));
   add_connection_options(app, options->run);
   add_eigen_options(app, options->run.eigen);
-  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+  return [options](const Common& common, Progress& progress) {
+    if (!options->batch.list.empty()) return run_batch_of(*options, common);
+    if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");
+    return run(*options, progress);
+  };
 }
 
 }  // namespace
