@@ -7,48 +7,14 @@
 
 #include "alcap/solve.h"
 #include "alcap/topology.h"
+#include "src/grounded_laplacian.h"
 
 namespace alcap {
 namespace {
 
 using Vector = VectorX<double>;
 
-// As in connection_trivial.cpp: obtuse angles must not make weights negative.
-constexpr double least_weight = 1e-3;
 constexpr double multiple_tolerance = 1e-6;
-
-// Cotangent Laplacian with one vertex per component tied to the ground, and ones for unreferenced vertices.
-SparseMatrix<double> grounded_laplacian(const Mesh& mesh, const Geometry<double>& geometry, const Topology& topology) {
-  std::vector<Eigen::Triplet<double, Index>> entries;
-  entries.reserve(4 * static_cast<std::size_t>(mesh.edges()) + static_cast<std::size_t>(mesh.vertices()));
-  std::vector<double> largest(topology.components.size(), 0);
-  for (Index e = 0; e < mesh.edges(); ++e) {
-    const Index h = mesh.halfedge(e), g = mesh.twin(h);
-    double w = geometry.cot(Mesh::prev(h)) / 2;
-    if (g != none) w += geometry.cot(Mesh::prev(g)) / 2;
-    w = std::max(w, least_weight);
-    const Index i = mesh.tail(h), j = mesh.tip(h);
-    entries.emplace_back(i, i, w);
-    entries.emplace_back(j, j, w);
-    entries.emplace_back(i, j, -w);
-    entries.emplace_back(j, i, -w);
-    double& most = largest[static_cast<std::size_t>(topology.vertex_component[static_cast<std::size_t>(i)])];
-    most = std::max(most, w);
-  }
-  std::vector<bool> grounded(topology.components.size(), false);
-  for (Index v = 0; v < mesh.vertices(); ++v) {
-    const Index c = topology.vertex_component[static_cast<std::size_t>(v)];
-    if (c == none) {
-      entries.emplace_back(v, v, 1.0);
-    } else if (!grounded[static_cast<std::size_t>(c)]) {
-      entries.emplace_back(v, v, largest[static_cast<std::size_t>(c)]);
-      grounded[static_cast<std::size_t>(c)] = true;
-    }
-  }
-  SparseMatrix<double> L(mesh.vertices(), mesh.vertices());
-  L.setFromTriplets(entries.begin(), entries.end());
-  return L;
-}
 
 }  // namespace
 
@@ -89,7 +55,7 @@ std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry<double>& geomet
   };
   if (!open()) return all;
   const std::unique_ptr<LinearSolver<double>> solver = make_linear_solver<double>({.name = options.solver});
-  const SparseMatrix<double> L = grounded_laplacian(mesh, geometry, topology);
+  const SparseMatrix<double> L = detail::grounded_laplacian(mesh, geometry, topology);
   solver->analyse(L);
   solver->factorise(L);
   while (open()) {

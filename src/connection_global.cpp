@@ -14,6 +14,7 @@
 #include "alcap/parallel.h"
 #include "kernels/connection_energy.h"
 #include "src/correction_system.h"
+#include "src/grounded_laplacian.h"
 
 namespace alcap {
 namespace {
@@ -120,6 +121,75 @@ void deviation(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& 
   });
 }
 
+// With rho held (trivial connections) the problem is not local: turning all frames around slowly varying vertices costs
+// next to nothing, the Dirichlet energy of the turn. So the edges' blocks are joined by a Poisson solve for such turns
+// g: y = g at both ends of an edge, X = g in its faces. Conjugate gradients in double; returns the iterations.
+class HeldRho {
+ public:
+  template <class T>
+  HeldRho(const Mesh& mesh, const Geometry<T>& geometry)
+      : mesh_(mesh), poisson_(make_linear_solver<double>({.tolerance = 1e-4})) {
+    const SparseMatrix<double> L = detail::grounded_laplacian(mesh, geometry, find_topology(mesh));
+    poisson_->analyse(L);
+    poisson_->factorise(L);
+  }
+
+  // u += the solution for rhs, to the relative reduction `wanted`; product(p) is A p.
+  template <class System, class Product>
+  int solve(System& system, const detail::EdgeValues<double>& rhs, double wanted, int most, const Product& product,
+            detail::EdgeValues<double>& u) const {
+    detail::EdgeValues<double> r = rhs, z(3, r.cols()), p, before = r;
+    double square = precondition(system, r, z), first = square;
+    p = z;
+    int done = 0;
+    while (done < most && square > wanted * wanted * first) {
+      ++done;
+      const detail::EdgeValues<double> q = product(p);
+      const double alpha = square / dot(p, q);
+      if (!std::isfinite(alpha)) break;
+      u += alpha * p;
+      before = r;
+      r -= alpha * q;
+      const double next = precondition(system, r, z);
+      // Flexible: the float blocks and the Poisson solver are not exactly linear.
+      const double beta = (next - dot(before, z)) / square;
+      square = next;
+      p = z + beta * p;
+    }
+    return done;
+  }
+
+ private:
+  static double dot(const detail::EdgeValues<double>& a, const detail::EdgeValues<double>& b) {
+    return parallel_sum<double>(a.cols(), [&](std::int64_t e) { return a.col(e).dot(b.col(e)); });
+  }
+
+  // z = P r; returns r' z.
+  template <class System>
+  double precondition(System& system, const detail::EdgeValues<double>& r, detail::EdgeValues<double>& z) const {
+    (void)system.start(r);
+    system.preconditioned(z);
+    MatrixX<double> b = MatrixX<double>::Zero(mesh_.vertices(), 1), g(mesh_.vertices(), 1);
+    for (Index e = 0; e < mesh_.edges(); ++e) {
+      const Index h = mesh_.halfedge(e);
+      b(mesh_.tail(h), 0) += r(0, e) / 2 - r(1, e);
+      b(mesh_.tip(h), 0) += r(0, e) / 2 + r(1, e);
+    }
+    (void)poisson_->solve(b, g);
+    parallel_for(mesh_.edges(), [&](std::int64_t e) {
+      const Index h = mesh_.halfedge(static_cast<Index>(e));
+      const double tail = g(mesh_.tail(h), 0), tip = g(mesh_.tip(h), 0);
+      z(0, e) += (tail + tip) / 2;
+      z(1, e) += tip - tail;
+      z(2, e) = 0;
+    });
+    return dot(r, z);
+  }
+
+  const Mesh& mesh_;
+  std::unique_ptr<LinearSolver<double>> poisson_;
+};
+
 }  // namespace
 
 namespace detail {
@@ -140,6 +210,8 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     });
     CorrectionSystem<float> system(mesh, geometry.cots(), p, fix_rho);
     std::optional<CorrectionSystem<double>> full_system;  // only where float does not do
+    std::optional<HeldRho> held;
+    if (fix_rho) held.emplace(mesh, geometry);
 
     const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
     EdgeValues<double> u = EdgeValues<double>::Zero(3, mesh.edges()), rhs(3, mesh.edges()), pull(3, mesh.halfedges());
@@ -164,7 +236,19 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       }
       last = norm;
       const double wanted = 0.5 * tolerance / c.report.residual;
-      if (full_system) {
+      if (held) {
+        const VectorX<T> still = VectorX<T>::Zero(mesh.halfedges());
+        const LiftedResiduals<T> at_rest{still, still};
+        VectorX<double> moved(mesh.halfedges());
+        const auto product = [&](const EdgeValues<double>& direction) {
+          EdgeValues<double> out(3, mesh.edges());
+          edge_pull(mesh, geometry, p, still, at_rest, direction, pull, out, moved);
+          out.row(2).setZero();
+          out = -out;
+          return out;
+        };
+        c.report.iterations += held->solve(system, rhs, std::max(1e-8, wanted), left, product, u);
+      } else if (full_system) {
         c.report.iterations += conjugate_gradients(*full_system, full_system->start(rhs), wanted, left);
         full_system->add_solution(u);
       } else {

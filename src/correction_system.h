@@ -240,6 +240,14 @@ class CorrectionSystem {
     });
   }
 
+  /// After start(): P r.
+  template <class T>
+  void preconditioned(EdgeValues<T>& z) const {
+    parallel_for(edge_count_, [&](std::int64_t e) {
+      for (int k = 0; k < 3; ++k) z(k, e) = static_cast<T>(z_[static_cast<std::size_t>(3 * e + k)]);
+    });
+  }
+
   /// u += x.
   template <class T>
   void add_solution(EdgeValues<T>& u) const {

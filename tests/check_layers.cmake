@@ -37,7 +37,7 @@ set(also
   "^src/face_edges = mesh_check"
   "^src/homology = topology"
   "^src/component_blocks = design"
-  "^src/(triangle_frame|correction_system) = connection"
+  "^src/(triangle_frame|correction_system|grounded_laplacian) = connection"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
   "^include/alcap/detail/atomic_file = errors"

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// grounded_laplacian.h: the cotangent Laplacian made definite. Internal to connections and cones.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+#include "alcap/solve.h"
+#include "alcap/topology.h"
+
+namespace alcap::detail {
+
+/// Cotangent Laplacian, #V x #V, one vertex of each component tied to the ground, ones for unreferenced vertices.
+/// Weights are kept above a small positive number, so that obtuse angles leave it definite.
+template <class T>
+[[nodiscard]] SparseMatrix<double> grounded_laplacian(const Mesh& mesh, const Geometry<T>& geometry,
+                                                      const Topology& topology) {
+  constexpr double least_weight = 1e-3;
+  std::vector<Eigen::Triplet<double, Index>> entries;
+  entries.reserve(4 * static_cast<std::size_t>(mesh.edges()) + static_cast<std::size_t>(mesh.vertices()));
+  std::vector<double> largest(topology.components.size(), 0);
+  for (Index e = 0; e < mesh.edges(); ++e) {
+    const Index h = mesh.halfedge(e), g = mesh.twin(h);
+    double w = double(geometry.cot(Mesh::prev(h))) / 2;
+    if (g != none) w += double(geometry.cot(Mesh::prev(g))) / 2;
+    w = std::max(w, least_weight);
+    const Index i = mesh.tail(h), j = mesh.tip(h);
+    entries.emplace_back(i, i, w);
+    entries.emplace_back(j, j, w);
+    entries.emplace_back(i, j, -w);
+    entries.emplace_back(j, i, -w);
+    double& most = largest[static_cast<std::size_t>(topology.vertex_component[static_cast<std::size_t>(i)])];
+    most = std::max(most, w);
+  }
+  std::vector<bool> grounded(topology.components.size(), false);
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    const Index c = topology.vertex_component[static_cast<std::size_t>(v)];
+    if (c == none) {
+      entries.emplace_back(v, v, 1.0);
+    } else if (!grounded[static_cast<std::size_t>(c)]) {
+      entries.emplace_back(v, v, largest[static_cast<std::size_t>(c)]);
+      grounded[static_cast<std::size_t>(c)] = true;
+    }
+  }
+  SparseMatrix<double> L(mesh.vertices(), mesh.vertices());
+  L.setFromTriplets(entries.begin(), entries.end());
+  return L;
+}
+
+}  // namespace alcap::detail
