@@ -7,6 +7,7 @@ option(ALCAP_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_PERF "Build the benchmarks" OFF)
 option(ALCAP_INSTALL "Add the install rules" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_WITH_CHOLMOD "Direct solves through SuiteSparse CHOLMOD (Eigen otherwise)" ON)
+option(ALCAP_WITH_PICTURES "Pictures from the command line tool, where OpenGL ES and libpng are found" ON)
 option(ALCAP_NATIVE "Compile for this machine only (-march=native), alcap and everything that links it" OFF)
 option(ALCAP_WARNINGS_AS_ERRORS "Fail on compiler warnings" OFF)
 

@@ -8,8 +8,6 @@
 #include <limits>
 #include <string>
 
-#include "alcap/parallel.h"
-
 namespace alcap::detail {
 namespace {
 

@@ -14,6 +14,7 @@
 #include "batch_field.h"
 #include "commands.h"
 #include "outputs.h"
+#include "png_picture.h"
 #include "report.h"
 #include "shared_options.h"
 
@@ -28,6 +29,7 @@ constexpr const char* footer =
     "  alcap field scan.stl --repair weld -o out    a triangle soup, welded first\n"
     "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
     "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
+    "  alcap field bunny.ply --png bunny.png        a picture: curves and singularities\n"
     "  alcap field bunny.ply --json                 no files, just the certificate\n"
     "  alcap field --batch list.txt -j 2 -o out     every mesh named in list.txt\n"
     "\n"
@@ -40,6 +42,7 @@ struct FieldOptions {
   FieldRunOptions run = {};
   std::filesystem::path output = {};
   std::vector<std::string> formats = {};  // all
+  PictureOptions picture = {};
   BatchChoice batch = {};
 };
 
@@ -130,6 +133,7 @@ Outcome run(FieldOptions options, Progress& progress) {
   const auto start = Clock::now();
   const std::vector<std::string> formats = chosen_formats(options);
   const OutputPlan plan = app::plan(options);
+  check_picture(options.picture);
 
   RunSeconds times;
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
@@ -175,6 +179,8 @@ Outcome run(FieldOptions options, Progress& progress) {
   } else {
     finish({});
   }
+
+  for (const std::string& file : write_pictures(output, options.picture)) report["files"].push_back(file);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = summary(options, outcome.report);
@@ -227,6 +233,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->check(CLI::Range(-1.0, 1.0));
   add_connection_options(app, options->run);
   add_eigen_options(app, options->run.eigen);
+  add_picture_options(app, options->picture);
   return [options](const Common& common, Progress& progress) {
     if (!options->batch.list.empty()) return run_batch_of(*options, common);
     if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");

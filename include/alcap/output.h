@@ -26,6 +26,7 @@
 #include "alcap/geometry.h"
 #include "alcap/mesh.h"
 #include "alcap/singularities.h"
+#include "alcap/streamlines.h"
 
 namespace alcap {
 
@@ -59,6 +60,13 @@ std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::s
 
 /// The one of field_formats() that a file name ends with (case does not matter), or empty.
 [[nodiscard]] std::string field_format(const std::filesystem::path& file);
+
+/// Writes polylines, such as streamlines(), of an n-field in the format of the extension: .vtp (VTK, ParaView), .obj
+/// (lines; Blender, MeshLab), .json (everything a CurveSet has). Throws FileError as write_field does.
+void write_curves(const CurveSet& curves, int n, const std::filesystem::path& file);
+
+/// The extensions that write_curves knows, without the leading dot.
+[[nodiscard]] std::vector<std::string> curve_formats();
 
 /// A field read back.
 struct FieldFile {
