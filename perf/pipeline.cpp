@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // pipeline.cpp: the phases between a file and a field, and the whole of it in memory.
+#include <atomic>
 #include <filesystem>
 
+#include "alcap/batch.h"
 #include "alcap/mesh_io.h"
-#include "alcap/pipeline.h"
 #include "perf/common.h"
 
 namespace {
@@ -20,7 +21,16 @@ void read(benchmark::State& state, const Prepared& p, int threads, const std::st
   std::filesystem::remove(path);
 }
 
+void batch(benchmark::State& state, int jobs);
+
 void declare(const perf::Plan& plan) {
+  for (const int threads : plan.threads)
+    benchmark::RegisterBenchmark(("batch/threads:" + std::to_string(threads)).c_str(),
+                                 [threads](benchmark::State& state) { batch(state, threads); })
+        ->UseRealTime()
+        ->MeasureProcessCPUTime()
+        ->Unit(benchmark::kMillisecond);
+
   for (const std::string extension : {"ply", "obj", "off"})
     perf::add(
         plan, "read", "backend:" + extension,
@@ -53,6 +63,29 @@ void declare(const perf::Plan& plan) {
       state.counters["eigen s"] = run.times.eigen;
       state.counters["analysis s"] = run.times.analysis;
     });
+}
+
+// Many small meshes in memory, 2K to 10K triangles, n = 4.
+void batch(benchmark::State& state, int jobs) {
+  std::vector<Surface> meshes;
+  std::int64_t faces = 0;
+  for (int across = 22; across <= 50; across += 4) {
+    meshes.push_back(torus_random_diagonals(2 * across, across, 1.0, 0.4, 1));
+    meshes.push_back(noisy_scan(across < 36 ? 4 : 5, 0.1, static_cast<std::uint64_t>(across)));
+    faces += meshes[meshes.size() - 2].F.rows() + meshes.back().F.rows();
+  }
+  std::atomic<int> bad{0};
+  for (auto _ : state)
+    run_batch(
+        static_cast<std::int64_t>(meshes.size()), {.field = {.n = 4}, .jobs = jobs},
+        [&](Context& context, std::int64_t i) {
+          const Surface& s = meshes[static_cast<std::size_t>(i)];
+          if (!context.run(s.V, s.F).certificate.holds()) ++bad;
+        },
+        [&](std::int64_t, const std::exception&) { ++bad; });
+  state.counters["meshes/s"] = benchmark::Counter(double(meshes.size()), benchmark::Counter::kIsIterationInvariantRate);
+  state.counters["faces"] = double(faces);
+  state.counters["bad"] = bad.load();
 }
 
 }  // namespace

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: MIT
+"""Tables (Markdown, CSV) and plots (SVG) from the results of bench_run.py. By hand: bench_report.py bench.json FOLDER."""
+import csv
+import json
+import math
+import pathlib
+import re
+import statistics
+import sys
+
+import bench_plot
+
+# Seconds on two cores, median, and bytes: what this project set out to reach.
+TARGETS = {
+    50000: {"eigen n=1": 0.03, "eigen n=4": 0.05, "tool": 0.25, "memory": 100e6, "connection": 0.05},
+    327680: {"eigen n=1": 0.25, "eigen n=4": 0.35, "tool": 1.0, "memory": 350e6},
+    1310720: {"eigen n=1": 1.0, "eigen n=4": 1.7, "tool": 4.0, "memory": 1.3e9, "connection": 1.2},
+    5242880: {"eigen n=1": 4.5, "eigen n=4": 8.0, "tool": 17.0, "memory": 5e9},
+    20971520: {"eigen n=1": 20.0, "eigen n=4": 33.0, "tool": 75.0, "memory": 18e9},
+}
+# LTGD 2016, Sec. 8.3: 50K triangles, seconds.
+PAPER = {"connection": 1.5, "eigen n=1": 1.0, "design_prepare": 5.0, "design_target": 0.5}
+
+
+def level_of(faces):
+    """Subdivision level of the sphere with exactly so many faces, or None."""
+    level = round(math.log(faces / 20, 4))
+    return level if 20 * 4**level == faces else None
+
+
+def processor():
+    try:
+        for line in pathlib.Path("/proc/cpuinfo").read_text().splitlines():
+            if line.startswith("model name"):
+                return line.split(":", 1)[1].strip()
+    except OSError:
+        pass
+    return "unknown"
+
+
+def result_of(program, benchmark):
+    """Google Benchmark's entry as a flat dictionary; the name is PHASE/family/size/key:value/... ."""
+    parts = [p for p in benchmark["name"].split("/") if p not in ("process_time", "real_time", "machine")]
+    scale = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}[benchmark["time_unit"]]
+    result = {"program": program, "phase": parts[0], "seconds": benchmark["real_time"] * scale,
+              "cpu_seconds": benchmark["cpu_time"] * scale}
+    for part in parts[1:]:
+        if ":" in part:
+            key, value = part.split(":", 1)
+            result[key] = int(value) if re.fullmatch(r"-?\d+", value) else value
+        elif part.isdigit():
+            result["size"] = int(part)
+        else:
+            result["family"] = part
+    for key in ("faces", "vertices", "its", "residual", "GB/s", "GFlop/s", "bytes/vertex", "ns/triangle", "rows", "meshes/s",
+                "converged", "mesh s", "connection s", "assembly s", "eigen s", "analysis s"):
+        if key in benchmark:
+            result[key] = benchmark[key]
+    if "label" in benchmark:
+        result["label"] = benchmark["label"]
+    return result
+
+
+def key_of(result):
+    return tuple(result.get(k) for k in ("phase", "family", "size", "n", "backend", "detail", "isa", "form", "threads"))
+
+
+def medians(results):
+    """Repetitions become one result with the median of both times."""
+    groups = {}
+    for result in results:
+        groups.setdefault(key_of(result), []).append(result)
+    merged = []
+    for group in groups.values():
+        one = dict(group[-1])
+        one["seconds"] = statistics.median(r["seconds"] for r in group)
+        one["cpu_seconds"] = statistics.median(r["cpu_seconds"] for r in group)
+        one["repetitions"] = len(group)
+        merged.append(one)
+    return merged
+
+
+def find(results, **wanted):
+    return [r for r in results if all(r.get(k) == v for k, v in wanted.items())]
+
+
+def seconds(value):
+    return f"{value:.3g} s"
+
+
+def targets_table(report):
+    results = report["results"]
+    most = max((r.get("threads", 1) for r in results), default=1)
+    triad = max((r.get("GB/s", 0) for r in find(results, phase="triad", threads=most)), default=0)
+    lines = [f"Wall seconds, {min(2, most)} threads; in brackets CPU seconds. Triad of this run: {triad:.1f} GB/s. "
+             "target / measured above 1 is better than asked.", "",
+             "| triangles | phase | target | measured (CPU) | target / measured | residual |",
+             "| ---: | --- | ---: | ---: | ---: | ---: |"]
+    for size, targets in TARGETS.items():
+        for what, target in targets.items():
+            if what in ("tool", "memory"):
+                found = find(results, phase="tool", size=size)
+            elif what == "connection":
+                found = find(results, phase="connection", size=size, threads=min(2, most), detail=1)
+            else:
+                found = find(results, phase="eigen", size=size, threads=min(2, most), n=int(what[-1]), backend="auto")
+            if not found:
+                continue
+            best = found[0]
+            if best.get("faces", size) != size:
+                what += f" ({best['faces']:,.0f} triangles)"
+            name = {"tool": "whole `alcap field`, n = 4", "memory": "peak memory of it"}.get(what, what)
+            residual = f"{best['residual']:.1e}" if "residual" in best else ""
+            if what == "memory":
+                lines.append(f"| {size:,} | {name} | {target / 1e6:.0f} MB | {best['peak_bytes'] / 1e6:.0f} MB | "
+                             f"{target / best['peak_bytes']:.2f} | |")
+            else:
+                lines.append(f"| {size:,} | {name} | {seconds(target)} | {seconds(best['seconds'])} "
+                             f"({best['cpu_seconds']:.3g}) | {target / best['seconds']:.2f} | {residual} |")
+    return "\n".join(lines) + "\n"
+
+
+def paper_table(report):
+    results, lines = report["results"], ["| at about 50K triangles | paper (Sec. 8.3) | here |", "| --- | ---: | ---: |"]
+    for what, paper in PAPER.items():
+        phase = what.split()[0]
+        found = [r for r in find(results, phase=phase, size=50000) if r.get("n", 1) in (1, 4) and
+                 r.get("backend", "auto") == "auto" and r.get("detail", 1) == 1]
+        if found:
+            lines.append(f"| {phase} | {paper} s | {seconds(min(r['seconds'] for r in found))} |")
+    return "\n".join(lines) + "\n"
+
+
+def baseline_table(report):
+    """Ours against inverse iteration, from the same run."""
+    lines = ["| triangles | n | method | seconds (CPU) | residual | times ours |", "| ---: | ---: | --- | ---: | ---: | ---: |"]
+    eigen = find(report["results"], phase="eigen")
+    most = max((r["threads"] for r in eigen), default=1)
+    for r in eigen:
+        if r["threads"] != most:
+            continue
+        ours = find(eigen, size=r["size"], n=r["n"], family=r["family"], threads=most, backend="auto")
+        ratio = f"{r['cpu_seconds'] / ours[0]['cpu_seconds']:.1f}" if ours else ""
+        lines.append(f"| {r['size']:,} | {r['n']} | {r['backend']} | {r['seconds']:.3g} ({r['cpu_seconds']:.3g}) | "
+                     f"{r['residual']:.1e} | {ratio} |")
+    return "\n".join(lines) + "\n"
+
+
+def phases_table(report):
+    lines = ["| phase | triangles | 1 thread | most threads | speedup | ns CPU/triangle | its | residual |",
+             "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |"]
+    results = [r for r in report["results"] if "size" in r and r["phase"] != "tool"]
+    most = max((r["threads"] for r in results), default=1)
+    for r in results:
+        if r["threads"] != most:
+            continue
+        one = [o for o in results if key_of(o)[:-1] == key_of(r)[:-1] and o["threads"] == 1]
+        speedup = f"{one[0]['seconds'] / r['seconds']:.2f}" if one and most > 1 else ""
+        first = seconds(one[0]["seconds"]) if one else ""
+        name = " ".join(str(v) for v in [r["phase"], r["family"], r.get("backend", ""),
+                                         f"n={r['n']}" if "n" in r else "", f"detail={r['detail']}" if "detail" in r else ""] if v)
+        residual = f"{r['residual']:.1e}" if "residual" in r else ""
+        lines.append(f"| {name} | {r.get('faces', r['size']):,.0f} | {first} | {seconds(r['seconds'])} | {speedup} | "
+                     f"{1e9 * r['cpu_seconds'] / r.get('faces', r['size']):.0f} | {r.get('its', '')} | {residual} |")
+    return "\n".join(lines) + "\n"
+
+
+def write_all(report, folder):
+    (folder / "targets.md").write_text(targets_table(report))
+    (folder / "tables.md").write_text(
+        "# Targets\n\n" + targets_table(report) + "\n# The paper's times\n\n" + paper_table(report) +
+        "\n# Against inverse iteration, ratios of CPU seconds\n\n" + baseline_table(report) + "\n# Phases\n\n" +
+        phases_table(report))
+    keys = sorted({k for r in report["results"] for k in r if k != "all_seconds"})
+    with open(folder / "results.csv", "w", newline="") as out:
+        writer = csv.DictWriter(out, keys, extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(report["results"])
+    for name, svg in bench_plot.plots(report).items():
+        (folder / f"{name}.svg").write_text(svg)
+
+
+if __name__ == "__main__":
+    write_all(json.loads(pathlib.Path(sys.argv[1]).read_text()), pathlib.Path(sys.argv[2]))
