@@ -60,8 +60,13 @@ template <class T>
 SparseMatrix<Complex<T>> HermitianPattern::matrix() const {
   SparseMatrix<Complex<T>> A(rows(), rows());
   A.resizeNonZeros(nonzeros());
-  std::copy(outer_.begin(), outer_.end(), A.outerIndexPtr());
-  std::copy(inner_.begin(), inner_.end(), A.innerIndexPtr());
+  const auto copy = [](const std::vector<Index>& from, Index* to) {
+    parallel_ranges(static_cast<std::int64_t>(from.size()), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+      std::copy(from.data() + begin, from.data() + end, to + begin);
+    });
+  };
+  copy(outer_, A.outerIndexPtr());
+  copy(inner_, A.innerIndexPtr());
   return A;
 }
 
