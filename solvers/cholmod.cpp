@@ -8,6 +8,7 @@
 // and each solve() makes its own, so that solve() may run on several threads at once. BLAS settings are left alone.
 #include <cholmod.h>
 
+#include <algorithm>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -112,6 +113,7 @@ class Cholmod final : public LinearSolver<Scalar> {
       not_positive_definite(static_cast<const SuiteSparse_long*>(L_->Perm)[pivot], "not positive definite");
     }
     check_pivots(A);
+    index_factor();
     factorised_ = true;
     report_.factor_nonzeros = static_cast<std::int64_t>(L_->xsize);
     report_.factorise_seconds = timer.seconds();
@@ -140,6 +142,53 @@ class Cholmod final : public LinearSolver<Scalar> {
     }
     report.solve_seconds = timer.seconds();
     return report;
+  }
+
+  // Forward substitution in the supernodes that B reaches: those of its rows and their ancestors in the elimination
+  // tree.
+  [[nodiscard]] std::optional<HalfSolution<Scalar>> half_solve(const SparseMatrix<Scalar>& B) const override {
+    if (!factorised_ || L_->is_super == 0) return std::nullopt;
+    if (B.rows() != rows_) throw SolveError("CHOLMOD: the right-hand side has another size than the matrix");
+    const auto* super = static_cast<const SuiteSparse_long*>(L_->super);
+    const auto* pi = static_cast<const SuiteSparse_long*>(L_->pi);
+    const auto* px = static_cast<const SuiteSparse_long*>(L_->px);
+    const auto* row = static_cast<const SuiteSparse_long*>(L_->s);
+    const auto* x = static_cast<const Scalar*>(L_->x);
+    std::vector<SuiteSparse_long> offset(L_->nsuper, -1), reached;
+    for (Eigen::Index k = 0; k < B.nonZeros(); ++k) {
+      SuiteSparse_long s =
+          super_of_[static_cast<std::size_t>(position_[static_cast<std::size_t>(B.innerIndexPtr()[k])])];
+      while (s >= 0 && offset[static_cast<std::size_t>(s)] < 0) {
+        offset[static_cast<std::size_t>(s)] = 0;
+        reached.push_back(s);
+        const SuiteSparse_long below = pi[s] + (super[s + 1] - super[s]);
+        s = below < pi[s + 1] ? super_of_[static_cast<std::size_t>(row[below])] : -1;
+      }
+    }
+    std::sort(reached.begin(), reached.end());
+    HalfSolution<Scalar> half;
+    for (const SuiteSparse_long s : reached) {
+      offset[static_cast<std::size_t>(s)] = static_cast<SuiteSparse_long>(half.rows.size()) - super[s];
+      for (SuiteSparse_long j = super[s]; j < super[s + 1]; ++j) half.rows.push_back(static_cast<Index>(j));
+    }
+    const auto place = [&](SuiteSparse_long j) {
+      return offset[static_cast<std::size_t>(super_of_[static_cast<std::size_t>(j)])] + j;
+    };
+    half.values = MatrixX<Scalar>::Zero(static_cast<Eigen::Index>(half.rows.size()), B.cols());
+    for (Eigen::Index c = 0; c < B.outerSize(); ++c)
+      for (typename SparseMatrix<Scalar>::InnerIterator it(B, c); it; ++it)
+        half.values(place(position_[static_cast<std::size_t>(it.row())]), c) += it.value();
+    MatrixX<Scalar> update;
+    for (const SuiteSparse_long s : reached) {
+      const Eigen::Index width = super[s + 1] - super[s], height = pi[s + 1] - pi[s];
+      const Eigen::Map<const MatrixX<Scalar>> block(x + px[s], height, width);
+      auto own = half.values.middleRows(place(super[s]), width);
+      block.topRows(width).template triangularView<Eigen::Lower>().solveInPlace(own);
+      if (height == width) continue;
+      update.noalias() = block.bottomRows(height - width) * own;
+      for (Eigen::Index i = 0; i < height - width; ++i) half.values.row(place(row[pi[s] + width + i])) -= update.row(i);
+    }
+    return half;
   }
 
   [[nodiscard]] std::string name() const override {
@@ -232,6 +281,19 @@ class Cholmod final : public LinearSolver<Scalar> {
     }
   }
 
+  /// Where each row of A is in the factor, and the supernode of each of its columns.
+  void index_factor() {
+    if (L_->is_super == 0) return;
+    const auto* super = static_cast<const SuiteSparse_long*>(L_->super);
+    const auto* perm = static_cast<const SuiteSparse_long*>(L_->Perm);
+    position_.resize(L_->n);
+    super_of_.resize(L_->n);
+    for (std::size_t j = 0; j < L_->n; ++j) position_[static_cast<std::size_t>(perm[j])] = static_cast<Index>(j);
+    for (std::size_t s = 0; s < L_->nsuper; ++s)
+      for (SuiteSparse_long j = super[s]; j < super[s + 1]; ++j)
+        super_of_[static_cast<std::size_t>(j)] = static_cast<Index>(s);
+  }
+
   void release() {
     factorised_ = false;
     if (L_ != nullptr) cholmod_l_free_factor(&L_, &common_.c);
@@ -244,6 +306,7 @@ class Cholmod final : public LinearSolver<Scalar> {
   Eigen::Index rows_ = 0;
   Eigen::Index nonzeros_ = 0;
   bool factorised_ = false;
+  std::vector<Index> position_, super_of_;
   SolveReport report_;  // times of analyse() and factorise()
 };
 

@@ -32,6 +32,23 @@ void hermitian_product(const SparseMatrix<std::complex<double>>& A, const std::c
 }
 
 template <class Scalar>
+MatrixX<Scalar> HalfSolution<Scalar>::product(const HalfSolution& K) const {
+  if (rows == K.rows) return values.adjoint() * K.values;
+  std::vector<Eigen::Index> here, there;
+  for (std::size_t i = 0, j = 0; i < rows.size() && j < K.rows.size();) {
+    if (rows[i] == K.rows[j]) {
+      here.push_back(static_cast<Eigen::Index>(i++));
+      there.push_back(static_cast<Eigen::Index>(j++));
+    } else {
+      ++(rows[i] < K.rows[j] ? i : j);
+    }
+  }
+  return MatrixX<Scalar>(values(here, Eigen::all)).adjoint() * MatrixX<Scalar>(K.values(there, Eigen::all));
+}
+template struct HalfSolution<double>;
+template struct HalfSolution<std::complex<double>>;
+
+template <class Scalar>
 double residual(const SparseMatrix<Scalar>& A, const Eigen::Ref<const MatrixX<Scalar>>& X,
                 const Eigen::Ref<const MatrixX<Scalar>>& B) {
   detail::require_sizes(B, X, A.rows());

@@ -4,7 +4,9 @@
 //
 // A row r_k u = t_k with compliance c_k (0: exact; 1/weight: soft, weight |r_k u - t_k|^2 in twice the energy) adds
 // multipliers mu: A u + R' mu = b, R u - C mu = t. With Y = A^-1 R': (R Y + C) mu = R A^-1 b - t, u = A^-1 b - Y mu.
-// Rows count twice, as real and imaginary part, so that rows which fix a direction only can stand among them.
+// Where the backend can, R Y comes from half solves, which are cheap for few rows close together, and A^-1 R' mu from
+// one solve more. Rows count twice, as real and imaginary part, so that rows which fix a direction only can stand among
+// them.
 #include "alcap/designer.h"
 
 #include <Eigen/Cholesky>
@@ -42,9 +44,19 @@ constexpr Eigen::Index columns_at_once = 16;
 // A control made ready, and what has been solved for it.
 struct Prepared {
   ControlLoad load = {};
-  MatrixX<C> columns = {};          // A^-1 R', one per row; empty until needed
+  HalfSolution<C> half = {};        // of R', when the backend can; no columns until needed
+  MatrixX<C> columns = {};          // else A^-1 R', one per row; empty until needed
   ComplexVectorX<double> own = {};  // a live target's A^-1 of its load for density 1
   std::int64_t live_since = 0;      // 0: part of the common solution
+
+  void forget_rows() {
+    half = {};
+    columns.resize(0, 0);
+  }
+  [[nodiscard]] bool rows_solved() const {
+    const auto rows = static_cast<Eigen::Index>(load.rows.size());
+    return half.values.cols() == rows || columns.cols() == rows;
+  }
 };
 
 std::string shown(double value) {
@@ -175,7 +187,7 @@ struct Designer::State {
     stale = true;
     common.resize(0, 0);
     for (auto& [id, p] : prepared) {
-      p.columns.resize(0, 0);
+      p.forget_rows();
       p.own.resize(0);
     }
   }
@@ -257,17 +269,36 @@ struct Designer::State {
     }
   }
 
-  void solve_columns(Prepared& p, DesignResult& result) const {
-    const auto rows = static_cast<Eigen::Index>(p.load.rows.size());
-    if (p.columns.cols() == rows) return;
+  void solve_rows(Prepared& p, DesignResult& result) const {
+    if (p.rows_solved()) return;
     tell("rows");
-    MatrixX<C> B = MatrixX<C>::Zero(mesh.vertices(), rows), X;
+    const auto rows = static_cast<Eigen::Index>(p.load.rows.size());
+    std::vector<Eigen::Triplet<C, Index>> entries;
     for (Eigen::Index k = 0; k < rows; ++k)
-      for (std::size_t c = 0; c < 3; ++c)
-        B(p.load.rows[static_cast<std::size_t>(k)].vertex[c], k) +=
-            std::conj(p.load.rows[static_cast<std::size_t>(k)].coefficient[c]);
-    solve(B, X, result);
+      for (std::size_t c = 0; c < 3; ++c) {
+        const ControlRow& row = p.load.rows[static_cast<std::size_t>(k)];
+        if (row.coefficient[c] != C(0))
+          entries.emplace_back(row.vertex[c], static_cast<Index>(k), std::conj(row.coefficient[c]));
+      }
+    SparseMatrix<C> B(mesh.vertices(), rows);
+    B.setFromTriplets(entries.begin(), entries.end());
+    if (auto half = solver->half_solve(B)) {
+      p.half = std::move(*half);
+      return;
+    }
+    MatrixX<C> X;
+    solve(MatrixX<C>(B), X, result);
     p.columns = std::move(X);
+  }
+
+  // R_a A^-1 R_b' of all rows of two controls.
+  [[nodiscard]] static MatrixX<C> response(const Prepared& a, const Prepared& b) {
+    if (b.half.values.cols() > 0) return a.half.product(b.half);
+    MatrixX<C> G(static_cast<Eigen::Index>(a.load.rows.size()), b.columns.cols());
+    for (Eigen::Index j = 0; j < G.cols(); ++j)
+      for (Eigen::Index i = 0; i < G.rows(); ++i)
+        G(i, j) = a.load.rows[static_cast<std::size_t>(i)].at(b.columns.col(j));
+    return G;
   }
 
   template <class Column>
@@ -319,69 +350,84 @@ struct Designer::State {
   void apply_rows(DesignResult& result) {
     struct RealRow {
       const ControlRow* row;
-      const Prepared* owner;
-      Eigen::Index column;
-      C factor;  // the functional is Re(factor row.at(u))
+      Eigen::Index number;  // of the row in its control
+      C factor;             // the functional is Re(factor row.at(u))
       double target;
     };
-    std::vector<RealRow> rows;
+    struct Group {
+      const Prepared* owner;
+      std::vector<RealRow> rows;
+      Eigen::Index first;
+    };
+    std::vector<Group> groups;
+    Eigen::Index count = 0;
     for (auto& [id, p] : prepared) {
       if (!is_update(p)) continue;
-      solve_columns(p, result);
+      solve_rows(p, result);
+      Group group{&p, {}, count};
       for (std::size_t k = 0; k < p.load.rows.size(); ++k) {
         const ControlRow& row = p.load.rows[k];
-        const auto column = static_cast<Eigen::Index>(k);
-        ++result.rows;
+        const auto number = static_cast<Eigen::Index>(k);
         if (row.direction_only) {
-          rows.push_back({&row, &p, column, C(0, -1) * std::conj(row.target) / std::abs(row.target), 0});
+          group.rows.push_back({&row, number, C(0, -1) * std::conj(row.target) / std::abs(row.target), 0});
         } else {
-          rows.push_back({&row, &p, column, 1, row.target.real()});
-          rows.push_back({&row, &p, column, C(0, -1), row.target.imag()});
+          group.rows.push_back({&row, number, 1, row.target.real()});
+          group.rows.push_back({&row, number, C(0, -1), row.target.imag()});
         }
       }
+      result.rows += static_cast<int>(p.load.rows.size());
+      count += static_cast<Eigen::Index>(group.rows.size());
+      groups.push_back(std::move(group));
     }
-    if (rows.empty()) return;
-    const auto count = static_cast<Eigen::Index>(rows.size());
-    MatrixX<double> G(count, count);
-    VectorX<double> missing(count);
-    parallel_for(
-        count,
-        [&](std::int64_t i) {
-          const RealRow& a = rows[static_cast<std::size_t>(i)];
-          missing[i] = (a.factor * a.row->at(result.field.u)).real() - a.target;
-          for (Eigen::Index j = 0; j < count; ++j) {
-            const RealRow& b = rows[static_cast<std::size_t>(j)];
-            C sum = 0;
-            for (std::size_t c = 0; c < 3; ++c)
-              sum += a.row->coefficient[c] * b.owner->columns(a.row->vertex[c], b.column);
-            G(i, j) = (a.factor * sum * std::conj(b.factor)).real();
-          }
-        },
-        8);
-    const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const double weight = rows[static_cast<std::size_t>(i)].row->weight;
-      G(i, i) += weight > 0 ? 1 / weight : exact;
-    }
-    const VectorX<double> mu = G.ldlt().solve(missing);
-    for (Eigen::Index at = 0; at < count;) {
-      const Prepared* const owner = rows[static_cast<std::size_t>(at)].owner;
-      ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(owner->columns.cols());
-      for (; at < count && rows[static_cast<std::size_t>(at)].owner == owner; ++at) {
-        const RealRow& row = rows[static_cast<std::size_t>(at)];
-        sum[row.column] += mu[at] * std::conj(row.factor);
+    if (count == 0) return;
+    MatrixX<double> G = MatrixX<double>::Zero(count, count);
+    VectorX<double> missing(count), compliance(count);
+    for (const Group& a : groups) {
+      for (const Group& b : groups) {
+        const MatrixX<C> complex = response(*a.owner, *b.owner);
+        for (std::size_t j = 0; j < b.rows.size(); ++j)
+          for (std::size_t i = 0; i < a.rows.size(); ++i)
+            G(a.first + static_cast<Eigen::Index>(i), b.first + static_cast<Eigen::Index>(j)) =
+                (a.rows[i].factor * complex(a.rows[i].number, b.rows[j].number) * std::conj(b.rows[j].factor)).real();
       }
-      result.field.u.noalias() -= owner->columns * sum;
+      for (std::size_t i = 0; i < a.rows.size(); ++i) {
+        const RealRow& row = a.rows[i];
+        const Eigen::Index at = a.first + static_cast<Eigen::Index>(i);
+        missing[at] = (row.factor * row.row->at(result.field.u)).real() - row.target;
+        compliance[at] = row.row->weight > 0 ? 1 / row.row->weight : 0;
+      }
     }
+    const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
+    for (Eigen::Index i = 0; i < count; ++i) G(i, i) += compliance[i] > 0 ? compliance[i] : exact;
+    const VectorX<double> mu = G.ldlt().solve(missing);
+    ComplexVectorX<double> push;  // R' mu of the controls without columns
+    for (const Group& group : groups) {
+      const auto& rows = group.owner->load.rows;
+      ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(static_cast<Eigen::Index>(rows.size()));
+      for (std::size_t i = 0; i < group.rows.size(); ++i)
+        sum[group.rows[i].number] += mu[group.first + static_cast<Eigen::Index>(i)] * std::conj(group.rows[i].factor);
+      if (group.owner->columns.cols() > 0) {
+        result.field.u.noalias() -= group.owner->columns * sum;
+        continue;
+      }
+      if (push.size() == 0) push = ComplexVectorX<double>::Zero(mesh.vertices());
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c)
+          push[rows[k].vertex[c]] += std::conj(rows[k].coefficient[c]) * sum[static_cast<Eigen::Index>(k)];
+    }
+    if (push.size() == 0) return;
+    MatrixX<C> X;
+    solve(push, X, result);
+    result.field.u -= X.col(0);
   }
 
-  [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const std::vector<int>& indices,
-                                    const ComplexVectorX<double>& u) const {
+  [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field<double>& field) const {
+    const ComplexVectorX<double>& u = field.u;
     ControlReport report{.id = id};
     const ControlLoad& load = prepared.at(id).load;
     const double degrees = 180 / pi<double>;
     if (const auto* target = std::get_if<SingularityTarget>(&control)) {
-      report.index = indices[static_cast<std::size_t>(target->face)];
+      report.index = face_index(mesh, connection, field, target->face);
       C value = 0;
       for (Index c = 0; c < 3; ++c)
         value += load.coefficient[static_cast<std::size_t>(c)] * u[mesh.F()(target->face, c)];
@@ -456,8 +502,7 @@ void Designer::set(ControlId id, Control control) {
   const auto same = [](const ControlRow& a, const ControlRow& b) {
     return a.vertex == b.vertex && a.coefficient == b.coefficient;
   };
-  if (!std::equal(load.rows.begin(), load.rows.end(), p.load.rows.begin(), p.load.rows.end(), same))
-    p.columns.resize(0, 0);
+  if (!std::equal(load.rows.begin(), load.rows.end(), p.load.rows.begin(), p.load.rows.end(), same)) p.forget_rows();
   s.soft_changed |= load.soft() || p.load.soft();
   if (load.face != p.load.face || load.coefficient != p.load.coefficient) p.own.resize(0);
   if (p.live_since == 0) {
@@ -533,8 +578,7 @@ DesignResult Designer::solve() {
   s.solve_loads(result);
   s.apply_rows(result);
   s.tell("analysis");
-  const std::vector<int> indices = face_indices(s.mesh, s.connection, result.field);
-  for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, indices, result.field.u));
+  for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }

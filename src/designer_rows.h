@@ -21,7 +21,8 @@ struct ControlRow {
   double weight = 0;
   bool direction_only = false;  ///< exact rows: only Im(conj(target) sum) = 0
 
-  [[nodiscard]] Complex<double> at(const ComplexVectorX<double>& u) const {
+  template <class Vector>
+  [[nodiscard]] Complex<double> at(const Vector& u) const {
     Complex<double> sum = 0;
     for (std::size_t k = 0; k < 3; ++k) sum += coefficient[k] * u[vertex[k]];
     return sum;

@@ -15,10 +15,12 @@ using Barycentric = std::array<double, 3>;
 
 double argument(const Complex<double>& z) { return z == Complex<double>(0) ? 0.0 : std::arg(z); }
 
-// Change of the field's argument along halfedge h, in [-pi, pi].
+// Change of the field's argument along halfedge h, in [-pi, pi], from the arguments at its ends.
+double turn(const Mesh& mesh, const Connection<double>& connection, int n, Index h, double tail, double tip) {
+  return wrap(tip - tail + n * connection.rho_along(mesh, h));
+}
 double turn_along(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field, Index h) {
-  return wrap(argument(field.u[mesh.tip(h)]) - argument(field.u[mesh.tail(h)]) +
-              field.n * connection.rho_along(mesh, h));
+  return turn(mesh, connection, field.n, h, argument(field.u[mesh.tail(h)]), argument(field.u[mesh.tip(h)]));
 }
 
 int to_count(double turns) { return static_cast<int>(std::nearbyint(turns / (2 * pi<double>))); }
@@ -78,13 +80,22 @@ double positive_remainder(double angle, double period) {
 }  // namespace
 
 std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field) {
+  VectorX<double> arguments(mesh.vertices());
+  parallel_for(mesh.vertices(), [&](std::int64_t v) { arguments[v] = argument(field.u[v]); });
   std::vector<int> indices(static_cast<std::size_t>(mesh.faces()));
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     double turns = field.n * connection.K[t];
-    for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) turns += turn_along(mesh, connection, field, h);
+    for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h)
+      turns += turn(mesh, connection, field.n, h, arguments[mesh.tail(h)], arguments[mesh.tip(h)]);
     indices[static_cast<std::size_t>(t)] = to_count(turns);
   });
   return indices;
+}
+
+int face_index(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field, Index t) {
+  double turns = field.n * connection.K[t];
+  for (Index h = 3 * t; h < 3 * t + 3; ++h) turns += turn_along(mesh, connection, field, h);
+  return to_count(turns);
 }
 
 std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,

@@ -297,6 +297,42 @@ TEST_CASE("the Hermitian product agrees with Eigen's and does not depend on thre
   CHECK(y == one);
 }
 
+TEST_CASE("half solves: their products are B' A^-1 C, for backends that have them") {
+  const Index rows = 30 * 20;
+  const Hermitian A = Hermitian(torus_grid(30, 20, 0.1, 3) + identity(rows, 0.1));
+  detail::Random random(4);
+  const auto sparse = [&](Index from, Index columns) {
+    Hermitian B(rows, columns);
+    for (Index c = 0; c < columns; ++c)
+      for (Index k = 0; k < 3; ++k)
+        B.coeffRef((from + 5 * c + k) % rows, c) += Z(random.uniform(-1, 1), random.uniform(-1, 1));
+    return B;
+  };
+  const Hermitian B = sparse(17, 12), C = sparse(300, 5);
+  int able = 0;
+  for (const std::string& name : linear_solvers()) {
+    CAPTURE(name);
+    const auto solver = make_linear_solver<Z>({.name = name});
+    solver->analyse(A);
+    solver->factorise(A);
+    const auto b = solver->half_solve(B), c = solver->half_solve(C);
+    CHECK(b.has_value() == c.has_value());
+    if (!b) continue;
+    ++able;
+    Dense X(rows, 5);
+    (void)solver->solve(Dense(C), X);
+    const Dense expected = Dense(B).adjoint() * X;
+    CHECK((b->product(*c) - expected).norm() < 1e-12 * expected.norm());
+    CHECK((c->product(*b) - expected.adjoint()).norm() < 1e-12 * expected.norm());
+    CHECK((b->product(*b) - b->values.adjoint() * b->values).norm() < 1e-14 * b->values.squaredNorm());
+    CHECK(b->rows.size() < static_cast<std::size_t>(rows));
+    CHECK_THROWS_AS((void)solver->half_solve(Hermitian(3, 1)), SolveError);
+  }
+#ifdef ALCAP_WITH_CHOLMOD
+  CHECK(able > 0);
+#endif
+}
+
 TEST_CASE("residual of a wrong solution is what it is") {
   const Hermitian A = identity(3, 2);
   const Dense B = Dense::Constant(3, 2, Z(1));

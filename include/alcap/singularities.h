@@ -32,6 +32,10 @@ struct IndexSum {
 [[nodiscard]] std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connection,
                                             const Field<double>& field);
 
+/// The count of one face.
+[[nodiscard]] int face_index(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field,
+                             Index t);
+
 /// All faces of non-zero index, with position and orientation, in order of faces.
 [[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
                                                           const Connection<double>& connection,

@@ -13,6 +13,7 @@
 #include <Eigen/SparseCore>
 #include <complex>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,17 @@ struct SolverOptions {
   int max_iterations = 1000;  // iterative backends
 };
 
+/// Half of a solve with a direct backend: H = L^-1 P B where A = P' L L' P. H' H = B' A^-1 B costs much less than
+/// solving where B is concentrated: H has few rows that are not zero.
+template <class Scalar>
+struct HalfSolution {
+  std::vector<Index> rows;  ///< rows of H that may differ from zero, ascending, in the order of the factor
+  MatrixX<Scalar> values;   ///< those rows
+
+  /// H' K, of two half solutions by the same factor.
+  [[nodiscard]] MatrixX<Scalar> product(const HalfSolution& K) const;
+};
+
 /// One factorisation: analyse once per pattern, factorise once per set of values, solve as often as wanted.
 /// solve() is const and may run on several threads at once.
 template <class Scalar>
@@ -61,6 +73,10 @@ class LinearSolver {
   /// Solves A X = B for the columns of B. The residual in the report is left at 0 by direct backends: recompute it
   /// where it matters, with residual().
   virtual SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const = 0;
+  /// Half of the solve for a sparse B, or nothing when this backend cannot.
+  [[nodiscard]] virtual std::optional<HalfSolution<Scalar>> half_solve(const SparseMatrix<Scalar>&) const {
+    return std::nullopt;
+  }
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
