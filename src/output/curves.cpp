@@ -118,8 +118,8 @@ std::vector<std::string> curve_formats() {
   return out;
 }
 
-void write_curves(const CurveSet& curves, int n, const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
+void write_curves(const CurveSet& curves, int n, const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   std::string known;
@@ -127,12 +127,12 @@ void write_curves(const CurveSet& curves, int n, const std::filesystem::path& pa
     const std::string own = std::string(".") + f.extension;
     known += (known.empty() ? "" : ", ") + own;
     if (extension != own) continue;
-    AtomicFile file(path);
-    f.write(file, curves, n);
-    file.commit();
+    AtomicFile out(file);
+    f.write(out, curves, n);
+    out.commit();
     return;
   }
-  throw FileError(path.string() + ": the extension names no format for curves; use one of " + known, path.string());
+  throw FileError(file.string() + ": the extension names no format for curves; use one of " + known, file.string());
 }
 
 }  // namespace alcap
