@@ -79,7 +79,7 @@ Outcome explain(const DesignOptionsGiven& options, const MeshFile& file, const D
   return outcome;
 }
 
-Outcome run(DesignOptionsGiven options, Progress& progress) {
+Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const auto start = Clock::now();
   std::vector<std::string> extensions;
   for (const std::string& f : field_formats()) extensions.push_back("." + f);
