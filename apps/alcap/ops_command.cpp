@@ -128,7 +128,8 @@ Outcome run(OpsOptions options, Progress& progress) {
   const Geometry<double> geometry(mesh, file.V);
 
   progress.phase("finding the connection");
-  const Connection<double> connection = make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
+  const Connection<double> connection =
+      make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
   const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, file.V, connection));
   // Same connection, same frames: the numbers are taken as they are. Otherwise the vectors in space are what counts.
   const int n = field_file.field.n;
