@@ -11,8 +11,8 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 log=${TMPDIR:-/tmp}/alcap-setup-$(id -u).log
 
 build_packages=(g++ cmake ninja-build libeigen3-dev libtbb-dev libsuitesparse-dev libopenblas-dev libspectra-dev
-  libfast-float-dev libcli11-dev nlohmann-json3-dev libfmt-dev doctest-dev libpng-dev libegl-dev libgles-dev
-  libgl1-mesa-dri)
+  libfast-float-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcpp-httplib-dev doctest-dev libpng-dev
+  libegl-dev libgles-dev libgl1-mesa-dri)
 
 say() { printf '\n== %s\n' "$*"; }
 die() {

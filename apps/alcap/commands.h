@@ -9,6 +9,8 @@
 #define ALCAP_COMMANDS(X) \
   X(field)                \
   X(design)               \
+  X(view)                 \
+  X(studio)               \
   X(info)                 \
   X(ops)                  \
   X(make)                 \

@@ -13,10 +13,12 @@
 #include "alcap/output.h"
 #include "batch_field.h"
 #include "commands.h"
+#include "html_page.h"
 #include "outputs.h"
 #include "png_picture.h"
 #include "report.h"
 #include "shared_options.h"
+#include "view_scene.h"
 
 namespace alcap::app {
 namespace {
@@ -30,6 +32,7 @@ constexpr const char* footer =
     "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
     "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
     "  alcap field bunny.ply --png bunny.png        a picture: curves and singularities\n"
+    "  alcap field bunny.ply --html bunny.html      a page to look at it with\n"
     "  alcap field bunny.ply --json                 no files, just the certificate\n"
     "  alcap field --batch list.txt -j 2 -o out     every mesh named in list.txt\n"
     "\n"
@@ -43,6 +46,7 @@ struct FieldOptions {
   std::filesystem::path output = {};
   std::vector<std::string> formats = {};  // all
   PictureOptions picture = {};
+  std::filesystem::path html = {};  // no page
   BatchChoice batch = {};
 };
 
@@ -134,6 +138,10 @@ Outcome run(FieldOptions options, Progress& progress) {
   const std::vector<std::string> formats = chosen_formats(options);
   const OutputPlan plan = app::plan(options);
   check_picture(options.picture);
+  if (!options.html.empty()) {
+    check_page();
+    check_writable(options.html);
+  }
 
   RunSeconds times;
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
@@ -178,6 +186,12 @@ Outcome run(FieldOptions options, Progress& progress) {
     });
   } else {
     finish({});
+  }
+  if (!options.html.empty()) {
+    const ViewSource source{result.mesh,       file.V,       result.geometry,
+                            result.connection, result.field, result.singularities};
+    write_text(options.html, html_page(make_scene(source, options.mesh.path.stem().string(), report)));
+    report["files"].push_back(options.html.string());
   }
 
   for (const std::string& file : write_pictures(output, options.picture)) report["files"].push_back(file);
@@ -224,6 +238,8 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->type_name("LIST")
       ->delimiter(',')
       ->allow_extra_args(false);
+  app.add_option("--html", options->html, "Also write a page that shows the field in any browser, in one file")
+      ->type_name("FILE");
   app.add_flag("--unit,--normalise,--direction", options->run.normalise,
                "Write unit directions instead of n-vectors of varying length");
   app.add_option("-s,--energy,--s", options->run.s,

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+//
+// dom.js: elements in one call, and numbers as people read them.
+
+/** h('button', {class: 'x', onclick: f}, 'text', child): properties starting with "on" are listeners. */
+export function h(tag, properties = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key.startsWith('on')) element.addEventListener(key.slice(2), value);
+    else if (value === true) element.setAttribute(key, '');
+    else if (value !== false && value !== null && value !== undefined) element.setAttribute(key, value);
+  }
+  element.append(...children.flat().filter((c) => c !== null && c !== undefined));
+  return element;
+}
+
+const exact = new Intl.NumberFormat('en-US');
+
+export function count(value) {
+  return exact.format(value);
+}
+
+/** Three digits, without needless zeros. */
+export function short(value) {
+  if (!Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  const text = size >= 1e4 || size < 1e-2 ? value.toExponential(2) : value.toPrecision(3);
+  return text.replace(/\.?0+(e|$)/, '$1').replace('e+', 'e').replace('-', '−').replace('e-', 'e−');
+}
+
+/** An index in n-ths: +1/4. */
+export function fraction(index, n) {
+  const sign = index > 0 ? '+' : index < 0 ? '−' : '';
+  const size = Math.abs(index);
+  return size % n === 0 ? `${sign}${size / n}` : `${sign}${size}/${n}`;
+}
+
+export function fieldName(n) {
+  return { 1: 'Vector field', 2: 'Line field', 3: 'Triple field', 4: 'Cross field', 6: 'Hexagonal field' }[n] || `${n}-fold field`;
+}
+
+/** A row of buttons of which one is pressed. */
+export function segmented(label, options, value, choose) {
+  const row = h('div', { class: 'segmented', role: 'radiogroup', 'aria-label': label });
+  const set = (next) => {
+    for (const b of row.children) b.setAttribute('aria-checked', String(b.dataset.value === String(next)));
+  };
+  for (const [key, text, help] of options) {
+    row.append(h('button', { type: 'button', role: 'radio', 'data-value': key, title: help, onclick: () => { set(key); choose(key); } }, text));
+  }
+  row.addEventListener('keydown', (event) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (!step) return;
+    const all = [...row.children];
+    const next = all[(all.indexOf(document.activeElement) + step + all.length) % all.length];
+    next.focus();
+    next.click();
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  set(value);
+  row.set = set;
+  return row;
+}
+
+export function toggle(label, value, change, key) {
+  const box = h('input', { type: 'checkbox', onchange: () => change(box.checked) });
+  box.checked = value;
+  const row = h('label', { class: 'toggle' }, h('span', {}, label), key ? h('kbd', {}, key) : null, box, h('i', { 'aria-hidden': 'true' }));
+  row.set = (next) => { box.checked = next; };
+  row.flip = () => { box.checked = !box.checked; change(box.checked); };
+  return row;
+}
+
+/** A part of a panel with a heading. */
+export function section(title, ...children) {
+  return h('section', {}, title ? h('h2', {}, title) : null, ...children);
+}

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+//
+// handles.js: the controls of the design as buttons over the picture: a ring where a singularity was asked for, and for
+// the chosen one a knob on a line that turns it, by the mouse or by the arrow keys.
+import { Raycaster, Vector2, Vector3 } from 'three';
+
+import { h } from './dom.js';
+import { angleOfRay, direction, dot, frame, pointIn, subtract } from './tangent.js';
+
+const reach = 58;  // pixels from ring to knob
+
+export class Handles {
+  /** actions: select(k), turn(k, degrees, gesture), stop(). */
+  constructor(view, actions) {
+    this.view = view;
+    this.actions = actions;
+    this.layer = h('div', { class: 'handles' });
+    this.items = [];
+    this.object = { isObject3D: true };
+  }
+
+  set(singularities, selected) {
+    this.singularities = singularities;
+    this.selected = selected;
+    while (this.items.length > singularities.length) this.items.pop().ring.remove();
+    while (this.items.length < singularities.length) {
+      const k = this.items.length;
+      const ring = h('button', { type: 'button', class: 'ring', onclick: () => this.actions.select(k) });
+      this.layer.append(ring);
+      this.items.push({ ring });
+    }
+    singularities.forEach((s, k) => {
+      const { ring } = this.items[k];
+      ring.className = `ring ${s.kind === 'saddle' || s.kind === 'trisector' ? 'negative' : 'positive'}${k === selected ? ' chosen' : ''}`;
+      ring.setAttribute('aria-label', `${s.kind} in face ${s.face}`);
+      ring.setAttribute('aria-pressed', String(k === selected));
+    });
+    this.knob ??= this.makeKnob();
+    this.place();
+  }
+
+  makeKnob() {
+    const knob = h('button', { type: 'button', class: 'knob', role: 'slider', 'aria-label': 'Turn', 'aria-valuemin': '0', 'aria-valuemax': '360', onkeydown: (event) => {
+      const step = { ArrowLeft: 5, ArrowUp: 5, ArrowRight: -5, ArrowDown: -5 }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.actions.turn(this.selected, (this.singularities[this.selected].angle || 0) + step, 'keys');
+    } });
+    const line = h('i', { class: 'spoke', 'aria-hidden': 'true' });
+    this.layer.append(line, knob);
+    this.line = line;
+    knob.addEventListener('pointerdown', (down) => {
+      down.preventDefault();
+      knob.setPointerCapture(down.pointerId);
+      const gesture = `turn-${Date.now()}`;
+      const start = this.angleAt(down), from = this.singularities[this.selected].angle || 0;
+      const move = (event) => {
+        const angle = this.angleAt(event);
+        if (angle === null || start === null) return;
+        this.actions.turn(this.selected, from + angle - start, gesture);
+      };
+      const up = () => {
+        knob.removeEventListener('pointermove', move);
+        this.actions.stop();
+      };
+      knob.addEventListener('pointermove', move);
+      knob.addEventListener('pointerup', up, { once: true });
+      knob.addEventListener('pointercancel', up, { once: true });
+    });
+    return knob;
+  }
+
+  ray(event) {
+    const { stage } = this.view;
+    const box = stage.canvas.getBoundingClientRect();
+    const caster = new Raycaster();
+    caster.setFromCamera(new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2), stage.camera);
+    return caster.ray;
+  }
+
+  center(s) {
+    return pointIn(this.view.surface, s.face, Array.isArray(s.pin) ? s.pin : [1 / 3, 1 / 3, 1 / 3]);
+  }
+
+  angleAt(event) {
+    const s = this.singularities[this.selected];
+    const { origin, direction: d } = this.ray(event);
+    return angleOfRay(this.view.surface, s.face, this.center(s), origin.toArray(), d.toArray());
+  }
+
+  project(point) {
+    const { stage } = this.view;
+    const p = new Vector3(...point).project(stage.camera);
+    return [((p.x + 1) / 2) * stage.width, ((1 - p.y) / 2) * stage.height];
+  }
+
+  /** Where everything is on screen; called before each picture. */
+  place() {
+    const { stage, surface } = this.view;
+    const eye = stage.camera.position.toArray();
+    let shown = false;
+    (this.singularities || []).forEach((s, k) => {
+      const center = this.center(s), { normal } = frame(surface, s.face);
+      const away = subtract(center, eye), length = Math.hypot(...away);
+      // Not moving: see whether something is in front.
+      const hit = dot(away, normal) < 0 && surface.hit({ x: eye[0], y: eye[1], z: eye[2] }, { x: away[0] / length, y: away[1] / length, z: away[2] / length });
+      const seen = hit && Math.hypot(...subtract(hit.point, eye)) > length * 0.995;
+      const [x, y] = this.project(center);
+      const { ring } = this.items[k];
+      ring.hidden = !seen;
+      ring.style.transform = `translate(${x}px, ${y}px)`;
+      if (k !== this.selected || !seen) return;
+      shown = true;
+      const d = direction(surface, s.face, s.angle || 0, s.relative_to);
+      const step = 1e-3 * this.view.meta.diagonal;
+      const [u, v] = this.project([0, 1, 2].map((c) => center[c] + step * d[c]));
+      const turn = Math.atan2(v - y, u - x);
+      this.knob.style.transform = `translate(${x + reach * Math.cos(turn)}px, ${y + reach * Math.sin(turn)}px)`;
+      this.line.style.transform = `translate(${x}px, ${y}px) rotate(${turn}rad)`;
+      this.knob.setAttribute('aria-valuenow', String(Math.round((((s.angle || 0) % 360) + 360) % 360)));
+    });
+    if (this.knob) this.knob.hidden = this.line.hidden = !shown;
+  }
+}

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+//
+// scene.js: everything that is drawn for one result, and what of it is shown. The arrays are those of
+// apps/alcap/view_scene.h; the studio replaces some of them at a time.
+import { Raycaster, Vector2 } from 'three';
+
+import { Glyphs } from './glyphs.js';
+import { Lines } from './lines.js';
+import { Marks } from './marks.js';
+import { Surface } from './surface.js';
+
+export class View {
+  constructor(stage, { meta, arrays }) {
+    this.stage = stage;
+    this.meta = meta;
+    this.arrays = {};
+    const d = meta.diagonal;
+    this.surface = new Surface(arrays.positions, arrays.faces);
+    this.spacing = meta.spacing || 0.012 * d;
+    this.curves = new Lines({ variable: '--ink', width: 0.1 * this.spacing, widths: [0.8, 2.4] });
+    this.separatrices = new Lines({ variable: '--accent', width: 0.0032 * d, widths: [1.8, 4], lift: 0.0022, order: 2 });
+    this.glyphs = new Glyphs(this.surface, d, 0.022 * d);
+    this.marks = new Marks(d);
+    this.state = { lines: 'curves', singularities: true, arms: true, separatrices: false, color: '' };
+    stage.add(this.surface);
+    stage.add(this.curves);
+    stage.add(this.separatrices);
+    this.glyphs.attach(stage);
+    stage.add(this.marks);
+    this.update({ meta, arrays });
+    this.apply();
+  }
+
+  /** Takes over what is there; the rest stays. */
+  update({ meta, arrays }) {
+    Object.assign(this.meta, meta);
+    Object.assign(this.arrays, arrays);
+    if (arrays.branch) {
+      this.glyphs.set(this.meta.n, arrays.branch, arrays.length);
+      this.curves.material.uniforms.period.value = this.meta.n === 1 ? 6 * this.spacing : 0;
+    }
+    if (arrays.singular) this.marks.set(arrays.singular, arrays.arms);
+    if (arrays.curves) this.curves.curves(arrays.curves, arrays.curve_offsets);
+    if (arrays.separatrices) this.separatrices.curves(arrays.separatrices, arrays.separatrix_offsets);
+    if (this.state?.color && arrays[`scalar.${this.state.color}`]) this.apply();
+    this.stage.draw();
+  }
+
+  set(key, value) {
+    this.state[key] = value;
+    this.apply();
+  }
+
+  apply() {
+    const { lines, singularities, arms, separatrices, color } = this.state;
+    // While curves are those of an earlier field, glyphs stand in for them.
+    this.curves.show(lines === 'curves' && !this.stale);
+    this.glyphs.show(lines === 'glyphs' || (lines === 'curves' && Boolean(this.stale)));
+    this.separatrices.show(separatrices && !this.stale);
+    this.marks.show(singularities);
+    this.marks.showArms(arms);
+    const scalar = (this.meta.scalars || []).find((s) => s.name === color);
+    const values = scalar && this.arrays[`scalar.${color}`];
+    if (this.colored !== values) this.surface.color(values || null, scalar || {});
+    this.colored = values;
+    this.curves.material.uniforms.opacity.value = color ? 0.6 : 1;
+    this.stage.draw();
+  }
+
+  /** What is under the pointer: {face, point, barycentric}, or null. */
+  pick(event) {
+    const box = this.stage.canvas.getBoundingClientRect();
+    const at = new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const ray = new Raycaster();
+    ray.setFromCamera(at, this.stage.camera);
+    return this.surface.hit(ray.ray.origin, ray.ray.direction);
+  }
+
+  /** The singularity nearest to a point, if closer than the given part of the diagonal: its number. */
+  near(point, part = 0.015) {
+    const S = this.arrays.singular || [];
+    let best = part * this.meta.diagonal, found = -1;
+    for (let k = 0; k < S.length; k += 8) {
+      const distance = Math.hypot(S[k] - point[0], S[k + 1] - point[1], S[k + 2] - point[2]);
+      if (distance < best) [best, found] = [distance, k / 8];
+    }
+    return found;
+  }
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+//
+// studio.js: the page in which fields are designed: tools on the left, the surface, the design on the right.
+import { address, ask } from './api.js';
+import { h, segmented } from './dom.js';
+import { Handles } from './handles.js';
+import { listen, onClick, viewKeys } from './keys.js';
+import { Lines } from './lines.js';
+import { colorSection, makeHelp, makePanel, singularitySection } from './panel.js';
+import { View } from './scene.js';
+import { Store } from './store.js';
+import { coneIndex, conesSection, controlsSection, fieldSection, kindsOf, showSection, titleOf } from './studio_panel.js';
+import { pointIn } from './tangent.js';
+import { download, savePicture } from './view.js';
+
+const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['B', 'Draw strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
+
+export async function startStudio(stage, ui, boot) {
+  const mesh = await ask('/api/mesh');
+  const app = new Studio(stage, ui, mesh, boot);
+  await app.store.load();
+  return app;
+}
+
+class Studio {
+  constructor(stage, ui, mesh) {
+    this.stage = stage;
+    this.selected = -1;
+    this.tool = 'turn';
+    this.view = new View(stage, mesh);
+    this.title = mesh.meta.title;
+    this.stroke = new Lines({ variable: '--accent', width: 0.004 * mesh.meta.diagonal, widths: [2.5, 5], lift: 0.003, order: 5 });
+    stage.add(this.stroke);
+    this.handles = new Handles(this.view, {
+      select: (k) => this.select(k),
+      turn: (k, degrees, gesture) => this.turn(k, degrees, gesture),
+      stop: () => { this.store.gesture = ''; },
+    });
+    stage.before = () => this.handles.place();
+    this.store = new Store({
+      state: (pack, mine) => this.onState(pack, mine), follow: (pack) => this.onField(pack),
+      details: (pack) => this.onDetails(pack), status: (kind, text) => this.onStatus(kind, text),
+    });
+    this.status = h('span', { class: 'chip', role: 'status' }, 'Starting…');
+    this.sections = { field: fieldSection(this), controls: controlsSection(this), cones: conesSection(this) };
+    this.counts = singularitySection(this.view);
+    this.colors = h('div', {});
+    const header = h('header', {}, h('h1', {}, this.title), this.status);
+    this.panel = makePanel(header, this.sections.controls, this.sections.cones, this.sections.field, showSection(this.view), this.colors, this.counts);
+    this.tools = h('nav', { class: 'toolbox', 'aria-label': 'Tools' });
+    this.help = makeHelp([...studioKeys, ...viewKeys.filter(([k]) => k !== '?')]);
+    this.undoButton = h('button', { type: 'button', title: 'Undo (Ctrl+Z)', onclick: () => this.store.step('undo') }, 'Undo');
+    this.redoButton = h('button', { type: 'button', title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.store.step('redo') }, 'Redo');
+    const file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, onchange: () => this.open(file) });
+    const menu = h('nav', { class: 'tools', 'aria-label': 'Design' }, this.undoButton, this.redoButton, h('i', {}),
+      h('button', { type: 'button', title: 'Open a design.json', onclick: () => file.click() }, 'Open'),
+      h('button', { type: 'button', title: 'Save design.json', onclick: () => { location.href = address('/api/design'); } }, 'Save'),
+      h('button', { type: 'button', title: 'Save the field as .ply', onclick: () => { location.href = address('/api/export', { format: 'ply' }); } }, 'Export'),
+      h('button', { type: 'button', title: 'Save a picture (P)', class: 'wide', onclick: () => savePicture(stage, this.title) }, 'Picture'),
+      h('button', { type: 'button', title: 'Keys (?)', class: 'wide', onclick: () => this.help.showModal() }, 'Keys'), file);
+    ui.append(this.handles.layer, this.panel, this.tools, menu, this.help);
+    stage.resize();
+    stage.frame(mesh.meta.diagonal);
+    onClick(stage.canvas, (event) => this.click(event));
+    this.drawing(stage.canvas);
+    const tool = (name) => () => this.choose(name);
+    listen(stage, {
+      v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), k: () => this.trivial() && this.choose('cone'),
+      a: () => this.choose(kindsOf(this.design.n)[0][0]), z: () => this.choose(kindsOf(this.design.n).at(-1)[0]),
+      'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
+      Delete: () => this.remove(), Backspace: () => this.remove(), p: () => savePicture(stage, this.title), '?': () => this.help.showModal(),
+    });
+  }
+
+  get design() { return this.store.design; }
+
+  trivial() { return this.design.connection?.kind === 'trivial'; }
+
+  /** Edits a copy of the design and sends it. */
+  change(edit, gesture = '') {
+    const design = structuredClone(this.design);
+    edit(design);
+    this.show(design);
+    return this.store.send(design, gesture);
+  }
+
+  choose(tool) {
+    this.tool = tool;
+    this.stage.controls.enabled = tool !== 'stroke';
+    this.stage.canvas.classList.toggle('aim', tool !== 'turn');
+    this.tools.set?.(tool);
+  }
+
+  select(k) {
+    this.selected = k;
+    this.show(this.design);
+  }
+
+  remove() {
+    if (this.selected < 0) return;
+    const k = this.selected;
+    this.selected = -1;
+    this.change((d) => { d.singularities.splice(k, 1); });
+  }
+
+  turn(k, degrees, gesture) {
+    this.change((d) => { d.singularities[k].angle = ((degrees % 360) + 360) % 360; }, gesture);
+  }
+
+  click(event) {
+    if (this.tool === 'stroke' || !this.design) return;
+    const hit = this.view.pick(event);
+    if (!hit) return;
+    if (this.tool === 'turn') return this.select(-1);
+    if (this.tool === 'cone') return this.addCone(hit);
+    // A zero on an edge belongs to neither face: a little inside.
+    const pin = hit.barycentric.map((b) => 0.08 / 1.24 + b / 1.24);
+    const faces = (this.design.singularities || []).map((s) => s.face);
+    if (faces.includes(hit.face)) return this.select(faces.indexOf(hit.face));
+    this.selected = faces.length;
+    this.change((d) => { (d.singularities ??= []).push({ face: hit.face, kind: this.tool, angle: 0, pin }); });
+    this.choose('turn');
+  }
+
+  addCone(hit) {
+    const corner = hit.barycentric.indexOf(Math.max(...hit.barycentric));
+    const vertex = this.view.surface.faces[3 * hit.face + corner];
+    this.change((d) => {
+      const cones = (d.connection.cones ??= []);
+      const old = cones.find((c) => c.vertex === vertex);
+      if (old) old.index = coneIndex(old.index) + 1 / d.n;
+      else cones.push({ vertex, index: 1 / d.n });
+    });
+  }
+
+  drawing(canvas) {
+    let points = null;
+    const spacing = () => 0.006 * this.stage.diagonal;
+    const add = (event) => {
+      const hit = this.view.pick(event);
+      const last = points.at(-1);
+      if (hit && (!last || Math.hypot(...hit.point.map((x, c) => x - last.point[c])) > spacing())) points.push(hit);
+      this.preview(points);
+    };
+    canvas.addEventListener('pointerdown', (event) => {
+      if (this.tool !== 'stroke' || !event.isPrimary || event.button !== 0) return;
+      points = [];
+      canvas.setPointerCapture(event.pointerId);
+      add(event);
+    });
+    canvas.addEventListener('pointermove', (event) => { if (points) add(event); });
+    canvas.addEventListener('pointerup', () => {
+      if (points?.length > 1) this.change((d) => { (d.strokes ??= []).push({ points: points.map(({ face, barycentric }) => ({ face, barycentric })), weight: 10 }); });
+      points = null;
+    });
+  }
+
+  preview(points = []) {
+    const lines = [...(this.design?.strokes || []).map((s) => (s.points || []).filter((p) => p.barycentric).map((p) => pointIn(this.view.surface, p.face, p.barycentric))), points.map((p) => p.point)];
+    this.stroke.curves(new Float32Array(lines.flat(2)), lines.reduce((all, l) => [...all, all.at(-1) + l.length], [0]));
+    this.stage.draw();
+  }
+
+  async open(input) {
+    const [file] = input.files;
+    input.value = '';
+    if (!file) return;
+    try {
+      this.selected = -1;
+      const design = JSON.parse(await file.text());
+      delete design.$schema;
+      this.store.send(design);
+    } catch {
+      this.onStatus('problem', 'This file is not JSON.');
+    }
+  }
+
+  /** What can be seen of a design before its field is there. */
+  show(design) {
+    if (this.selected >= (design.singularities || []).length) this.selected = -1;
+    this.handles.set(design.singularities || [], this.selected);
+    this.sections.controls.refresh(design, this.controls);
+    this.sections.field.refresh(design);
+    this.sections.cones.refresh(design, this.view.meta.euler, !this.view.meta.boundary);
+    this.stage.draw();
+  }
+
+  makeTools(n) {
+    if (this.toolsFor === `${n}${this.trivial()}`) return;
+    this.toolsFor = `${n}${this.trivial()}`;
+    const kinds = kindsOf(n).map(([kind, sign]) => [kind, h('span', {}, h('i', { class: sign > 0 ? 'mark positive' : 'mark negative' }), titleOf(kind)), `Click where the ${kind} shall be`]);
+    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, choose what is there (V)'], ...kinds, ['stroke', 'Brush', 'Draw along the surface (B)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone shall be (K)']] : [])], this.tool, (t) => this.choose(t));
+    this.tools.replaceChildren(bar);
+    this.tools.set = bar.set;
+  }
+
+  onField(pack) {
+    this.view.update(pack);
+    this.view.stale = true;
+    this.view.apply();
+  }
+
+  onState(pack) {
+    this.controls = pack.meta.controls;
+    const changed = 'branch' in pack.arrays;
+    this.view.update(pack);
+    if (changed) this.view.stale = true;
+    this.view.apply();
+    this.makeTools(this.design.n);
+    this.show(this.design);
+    this.preview();
+    this.counts.refresh();
+    this.undoButton.disabled = !pack.meta.undo;
+    this.redoButton.disabled = !pack.meta.redo;
+    document.documentElement.dataset.revision = pack.meta.revision;
+  }
+
+  onDetails(pack) {
+    this.view.stale = false;
+    this.view.update(pack);
+    if (!this.colored) {
+      this.colored = true;
+      this.colors.append(colorSection(this.view));
+    }
+    this.view.apply();
+    document.documentElement.dataset.details = pack.meta.result;
+  }
+
+  onStatus(kind, text) {
+    this.status.className = `chip ${{ ready: 'good', problem: 'bad', lost: 'bad', note: '' }[kind] ?? ''}`;
+    this.status.textContent = kind === 'ready' ? (text ? `Solved in ${Math.max(1, Math.round(text * 1000))} ms · saved` : 'Saved') : text;
+  }
+}
+
+export { download };

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: MIT
+//
+// studio_panel.js: the parts of the studio's panel that say what the design is and change it.
+import { fraction, h, section, segmented, toggle } from './dom.js';
+import { mark } from './panel.js';
+
+const titles = { source: 'Source', sink: 'Sink', vortex: 'Vortex', spiral: 'Spiral', saddle: 'Saddle', wedge: 'Wedge', trisector: 'Trisector' };
+
+/** Kinds that a field of symmetry n has, with their index. */
+export function kindsOf(n) {
+  if (n === 1) return [['source', 1], ['sink', 1], ['vortex', 1], ['saddle', -1]];
+  if (n === 2) return [['wedge', 1], ['trisector', -1]];
+  return [['source', 1], ['saddle', -1]];
+}
+
+export const titleOf = (kind) => titles[kind];
+
+/** Text or number of a cone's index as a number. */
+export function coneIndex(index) {
+  if (typeof index === 'number') return index;
+  const [a, b = '1'] = String(index).split('/');
+  return Number(a) / Number(b);
+}
+
+export function fieldSection(app) {
+  const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
+  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['trivial', 'Cones', 'Flat but for cones that you place']], 'global',
+    (v) => app.change((d) => { d.connection = { ...d.connection, kind: v, ...(v === 'trivial' ? {} : { cones: undefined }) }; }));
+  const guidance = segmented('Elsewhere', [['smoothest', 'Smoothest', 'Edits are local: elsewhere the smoothest field'], ['curvature', 'Curvature', 'Elsewhere along the directions of principal curvature'], ['none', 'Free', 'Edits decide everywhere']], 'smoothest', (v) => app.change((d) => {
+    d.guidance = { field: v, ...(v === 'none' ? {} : { weight: d.guidance?.weight || 1 }) };
+  }));
+  const boundary = toggle('Along the boundary', false, (v) => app.change((d) => {
+    if (v) d.boundary = { align: 'tangent' };
+    else delete d.boundary;
+  }));
+  boundary.hidden = !app.view.meta.boundary;
+  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, h('h2', { class: 'sub' }, 'Away from edits'), guidance, boundary);
+  element.refresh = (design) => {
+    n.set(design.n);
+    connection.set(design.connection?.kind || 'global');
+    guidance.set(design.guidance?.field || 'none');
+    boundary.set(Boolean(design.boundary));
+    // Principal directions are lines.
+    guidance.querySelector('[data-value=curvature]').disabled = design.n % 2 === 1;
+  };
+  return element;
+}
+
+/** Kinds are those of the new symmetry: by their sign. */
+function setSymmetry(design, n) {
+  design.n = n;
+  if (n % 2 === 1 && /curvature/.test(design.guidance?.field)) design.guidance.field = 'smoothest';
+  const negative = (kind) => kind === 'saddle' || kind === 'trisector';
+  for (const s of design.singularities || []) s.kind = kindsOf(n).find(([, index]) => (index < 0) === negative(s.kind))[0];
+  for (const c of design.connection?.cones || []) c.index = Math.round(coneIndex(c.index) * n) / n;
+}
+
+/** Everything that was asked for, each with what became of it. */
+export function controlsSection(app) {
+  const list = h('ul', { class: 'controls' });
+  const element = section('Design', list);
+  element.refresh = (design, reports) => {
+    const report = new Map((reports || []).map((r) => [r.path, r]));
+    const row = (path, label, remove, { icon, selected, onclick } = {}) => {
+      const r = report.get(path);
+      const state = r && (r.met ? h('span', { class: 'met', title: 'Met' }, '✓') : h('span', { class: 'unmet', title: `Off by ${r.error_degrees.toFixed(1)}°` }, `${r.error_degrees.toFixed(0)}°`));
+      return h('li', { class: selected ? 'chosen' : '' }, h('button', { type: 'button', class: 'name', onclick }, icon || '', label), state || '',
+        h('button', { type: 'button', class: 'close', 'aria-label': `Remove ${label}`, onclick: remove }, '×'));
+    };
+    const rows = [
+      ...(design.singularities || []).map((s, k) => row(`/singularities/${k}`, `${titles[s.kind]} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`,
+        () => app.change((d) => { d.singularities.splice(k, 1); app.selected = -1; }),
+        { icon: mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), selected: k === app.selected, onclick: () => app.select(k) })),
+      ...(design.strokes || []).map((s, k) => row(`/strokes/${k}`, `Stroke ${k + 1}`, () => app.change((d) => { d.strokes.splice(k, 1); }), { icon: h('i', { class: 'mark stroke' }) })),
+    ];
+    list.replaceChildren(...rows);
+    if (!rows.length) list.append(h('li', { class: 'empty' }, 'Nothing yet. Choose a tool on the left, then click on the surface; with the brush, draw on it.'));
+  };
+  return element;
+}
+
+/** Cones of a trivial connection, and whether they sum to what topology demands. */
+export function conesSection(app) {
+  const body = h('div', { class: 'cones' });
+  const element = section('Cones', body);
+  element.refresh = (design, euler, closed) => {
+    element.hidden = design.connection?.kind !== 'trivial';
+    const cones = design.connection?.cones || [], n = design.n;
+    const sum = cones.reduce((s, c) => s + Math.round(coneIndex(c.index) * n), 0);
+    const fits = !closed || sum === n * euler;
+    const step = (k, by) => app.change((d) => {
+      const c = d.connection.cones[k];
+      const index = Math.round(coneIndex(c.index) * n) + by;
+      if (index) c.index = index / n;
+      else d.connection.cones.splice(k, 1);
+    });
+    body.replaceChildren(
+      ...cones.map((c, k) => h('div', { class: 'row' }, h('span', {}, mark(coneIndex(c.index)), ` vertex ${c.vertex}`),
+        h('b', { class: 'stepper' }, h('button', { type: 'button', 'aria-label': 'Less', onclick: () => step(k, -1) }, '−'), fraction(Math.round(coneIndex(c.index) * n), n), h('button', { type: 'button', 'aria-label': 'More', onclick: () => step(k, 1) }, '+')))),
+      h('div', { class: `row sum ${fits ? '' : 'wrong'}` }, h('span', {}, closed ? `Sum, of ${String(euler).replace('-', '−')} needed` : 'Sum'), h('b', {}, fraction(sum, n) || '0', fits ? ' ✓' : '')),
+      ...(fits ? [] : [h('p', { class: 'quiet' }, `Place ${fraction(n * euler - sum, n)} more: choose the cone tool and click on the surface.`)]),
+    );
+  };
+  return element;
+}
+
+export function showSection(view) {
+  return section('Show',
+    segmented('Field as', [['curves', 'Curves', '1'], ['glyphs', 'Glyphs', '2'], ['none', 'Off', '3']], view.state.lines, (v) => view.set('lines', v)),
+    toggle('Singularities', view.state.singularities, (v) => view.set('singularities', v), 'S'),
+    toggle('Orientation', view.state.arms, (v) => view.set('arms', v), 'O'),
+    toggle('Separatrices', view.state.separatrices, (v) => view.set('separatrices', v), 'X'));
+}

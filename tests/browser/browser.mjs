@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: MIT
+//
+// browser.mjs: what the browser tests share: Chromium, a page whose console is watched, the program, a running studio.
+import { execFileSync, spawn } from 'node:child_process';
+import { once } from 'node:events';
+import { mkdtempSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+
+import { chromium } from 'playwright-core';
+
+export const patience = 60000;  // ms; software rendering on a busy machine
+
+export function folder() {
+  return mkdtempSync(join(tmpdir(), 'alcap-browser-'));
+}
+
+export function alcap(...options) {
+  return execFileSync(process.env.ALCAP, options, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
+}
+
+export function launch() {
+  return chromium.launch({
+    executablePath: process.env.CHROMIUM,
+    args: ['--headless', '--no-sandbox', '--disable-quic', '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync',
+      '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+  });
+}
+
+/** A page; `complaints` collects warnings and errors of its console, and whatever it threw. */
+export async function open(browser, url, { offline = false, viewport = { width: 1000, height: 700 } } = {}) {
+  const context = await browser.newContext({ viewport, offline });
+  const page = await context.newPage();
+  page.setDefaultTimeout(patience);
+  page.complaints = [];
+  page.requests = [];
+  // Software rendering makes Chromium complain about its own speed.
+  page.on('console', (m) => { if (['error', 'warning'].includes(m.type()) && !/GPU stall|GL Driver/.test(m.text())) page.complaints.push(m.text()); });
+  page.on('pageerror', (e) => page.complaints.push(e.message));
+  page.on('request', (r) => page.requests.push(r.url()));
+  await page.goto(url);
+  await page.waitForSelector('html[data-ready]');
+  return page;
+}
+
+/** Pixels of the canvas as dark as the curves: a picture with a field has many, a plain surface hardly any. */
+export function darkPixels(page) {
+  return page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => {
+    const from = document.getElementById('canvas');
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [from.width, from.height];
+    const context = copy.getContext('2d');
+    context.drawImage(from, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    let dark = 0;
+    for (let k = 0; k < data.length; k += 4) dark += data[k] + data[k + 1] + data[k + 2] < 240;
+    done(dark);
+  }))));
+}
+
+/** `alcap studio MESH ...`: {url, stop()}. */
+export async function studio(mesh, ...options) {
+  const server = spawn(process.env.ALCAP, ['studio', mesh, '--no-open', '--json', ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
+  let text = '';
+  for await (const piece of server.stdout) {
+    text += piece;
+    if (text.includes('\n')) break;
+  }
+  const { url, design } = JSON.parse(text);
+  const kill = async () => {
+    if (server.exitCode !== null || server.signalCode) return;
+    server.kill('SIGKILL');
+    await once(server, 'exit');
+  };
+  return { url, design, kill };
+}
+
+/** A request as the page makes it: {status, body}. */
+export async function request(url, path, parameters = {}, options = {}) {
+  const { origin, searchParams } = new URL(url);
+  const response = await fetch(`${origin}${path}?${new URLSearchParams({ t: searchParams.get('t'), ...parameters })}`, options);
+  return { status: response.status, body: Buffer.from(await response.arrayBuffer()) };
+}
+
+/** The parts of a pack (apps/alcap/view_pack.h), numbers as plain arrays. */
+export function unpack(bytes) {
+  const size = bytes.readUInt32LE(8);
+  const header = JSON.parse(bytes.subarray(16, 16 + size));
+  const arrays = {};
+  for (const { name, type, offset, length } of header.arrays) {
+    const read = { f32: ['readFloatLE', 4], u32: ['readUInt32LE', 4], i16: ['readInt16LE', 2], bf16: ['readUInt16LE', 2] }[type];
+    arrays[name] = Array.from({ length }, (_, k) => bytes[read[0]](16 + size + offset + read[1] * k));
+  }
+  return { meta: header.meta, arrays };
+}

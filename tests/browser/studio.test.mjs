@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: MIT
+//
+// studio.test.mjs: the studio by mouse and keyboard, its file, its history, its doors.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import http from 'node:http';
+import { join } from 'node:path';
+import { after, before, beforeEach, test } from 'node:test';
+
+import { alcap, darkPixels, folder, launch, open, patience, request, studio, unpack } from './browser.mjs';
+
+let browser, page, server, mesh, place;
+
+before(async () => {
+  place = folder();
+  mesh = join(place, 'ball.ply');
+  alcap('make', 'icosphere:3', '-o', mesh);
+  server = await studio(mesh);
+  browser = await launch();
+  page = await open(browser, server.url);
+});
+after(async () => {
+  await browser?.close();
+  await server?.kill();
+});
+beforeEach(async () => {
+  // An empty design for every test.
+  const { status } = await request(server.url, '/api/edit', {}, { method: 'POST', body: empty });
+  assert.equal(status, 200);
+  await settled();
+});
+
+const empty = JSON.stringify({ alcap_design: 1, n: 4, guidance: { field: 'smoothest' } });
+const design = () => JSON.parse(readFileSync(server.design));
+const state = async (url = server.url) => unpack((await request(url, '/api/state')).body);
+const field = async (url = server.url) => (await request(url, '/api/export', { format: 'ply' })).body;
+
+/** Waits until the page shows what the server has, curves included, and asks for nothing more. */
+async function settled(tab = page) {
+  for (const end = Date.now() + patience; Date.now() < end;) {
+    const { meta } = await state();
+    const there = await tab.waitForFunction(({ revision, result }) => {
+      const d = document.documentElement.dataset;
+      return Number(d.revision) === revision && Number(d.details) === result && !alcap.store.busy;
+    }, meta, { timeout: 2000 }).catch(() => false);
+    if (there && (await state()).meta.revision === meta.revision) return;
+  }
+  assert.fail('the page does not follow the server');
+}
+
+/** The middle of what the panel leaves free, where the surface faces the viewer. */
+const middle = (tab = page) => tab.evaluate(() => {
+  const box = alcap.stage.canvas.getBoundingClientRect();
+  return [box.left + alcap.stage.free.width / 2, box.top + alcap.stage.free.height / 2];
+});
+
+async function drop(kind, dx = 0, dy = 0) {
+  const { meta } = await state();
+  const [x, y] = await middle();
+  await page.click(`.toolbox [data-value=${kind}]`);
+  await page.mouse.click(x + dx, y + dy);
+  await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
+  await settled();
+}
+
+const apart = (a, b, period) => Math.abs(((((a - b) % period) + 1.5 * period) % period) - period / 2);
+
+test('starts with the smoothest field and complains about nothing', async () => {
+  assert.equal(await page.textContent('h1'), 'ball');
+  assert.match(await page.textContent('.controls'), /Nothing yet/);
+  assert.ok((await darkPixels(page)) > 3000);
+  assert.deepEqual(page.complaints, []);
+});
+
+test('a saddle dropped and turned by 60 degrees on screen is in design.json and in the solved field', async () => {
+  await drop('saddle');
+  const before = design().singularities[0];
+  const box = await page.locator('.knob').boundingBox();
+  const ring = await page.locator('.ring.chosen').boundingBox();
+  const center = [ring.x + ring.width / 2, ring.y + ring.height / 2];
+  const start = Math.atan2(box.y + box.height / 2 - center[1], box.x + box.width / 2 - center[0]);
+  const radius = Math.hypot(box.y + box.height / 2 - center[1], box.x + box.width / 2 - center[0]);
+  const at = (degrees) => [center[0] + radius * Math.cos(start - (degrees * Math.PI) / 180), center[1] + radius * Math.sin(start - (degrees * Math.PI) / 180)];
+  await page.mouse.move(...at(0));
+  await page.mouse.down();
+  for (let degrees = 5; degrees <= 60; degrees += 5) await page.mouse.move(...at(degrees));
+  await page.mouse.up();
+  await settled();
+  const { singularities, n } = design();
+  assert.equal(singularities.length, 1);
+  assert.equal(singularities[0].kind, 'saddle');
+  assert.equal(singularities[0].face, before.face);
+  const turned = apart(singularities[0].angle || 0, before.angle || 0, 360);
+  assert.ok(Math.abs(turned - 60) < 5, `turned by ${turned}`);
+  // The field has it there, with that orientation.
+  const { meta, arrays } = await state();
+  const k = arrays.singular_faces.indexOf(before.face);
+  assert.notEqual(k, -1);
+  assert.equal(arrays.singular[8 * k + 6], -1);
+  assert.ok(apart((arrays.singular[8 * k + 7] * 180) / Math.PI, singularities[0].angle, 360 / (n + 1)) < 1);
+  assert.equal(meta.controls[0].met, true);
+  // The command line finds the same.
+  const report = JSON.parse(alcap('design', mesh, '--design', server.design, '--json'));
+  assert.equal(report.controls[0].met, true);
+  // A drag is one step of the history.
+  await page.keyboard.press('Control+z');
+  await page.waitForFunction((angle) => Math.abs((alcap.design.singularities[0]?.angle || 0) - angle) < 1e-9, before.angle || 0);
+  assert.equal(design().singularities[0].angle || 0, before.angle || 0);
+});
+
+test('a stroke drawn with the mouse aligns the field', async () => {
+  const [x, y] = await middle();
+  const from = [x - 70, y + 50], to = [x + 80, y - 20];
+  await page.click('.toolbox [data-value=stroke]');
+  const earlier = await state();
+  await page.mouse.move(...from);
+  await page.mouse.down();
+  for (let s = 0; s <= 1.001; s += 0.05) await page.mouse.move(from[0] + s * (to[0] - from[0]), from[1] + s * (to[1] - from[1]));
+  await page.mouse.up();
+  await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, earlier.meta.revision);
+  await settled();
+  const [stroke] = design().strokes;
+  assert.ok(stroke.points.length > 4);
+  const off = (pack, m) => {
+    // Mean deviation in degrees of the crosses at the corners of the stroke's faces from its direction there.
+    const P = m.arrays.positions, F = m.arrays.faces;
+    const place = ({ face, barycentric }) => [0, 1, 2].map((c) => barycentric.reduce((sum, b, j) => sum + b * P[3 * F[3 * face + j] + c], 0));
+    let sum = 0, count = 0;
+    for (let k = 1; k + 1 < stroke.points.length; ++k) {
+      const a = place(stroke.points[k - 1]), b = place(stroke.points[k + 1]);
+      const t = b.map((v, c) => v - a[c]);
+      for (let j = 0; j < 3; ++j) {
+        const v = F[3 * stroke.points[k].face + j];
+        const d = [0, 1, 2].map((c) => pack.arrays.branch[3 * v + c]), normal = [0, 1, 2].map((c) => P[3 * v + c]);
+        const cross = [d[1] * t[2] - d[2] * t[1], d[2] * t[0] - d[0] * t[2], d[0] * t[1] - d[1] * t[0]];
+        const sine = (cross[0] * normal[0] + cross[1] * normal[1] + cross[2] * normal[2]) / Math.hypot(...normal);
+        sum += apart((Math.atan2(sine, d[0] * t[0] + d[1] * t[1] + d[2] * t[2]) * 180) / Math.PI, 0, 90);
+        ++count;
+      }
+    }
+    return sum / count;
+  };
+  const surface = unpack((await request(server.url, '/api/mesh')).body);
+  const drawn = off(await state(), surface);
+  assert.ok(drawn < 12, `mean deviation ${drawn} degrees`);
+  await page.click('.toolbox [data-value=turn]');
+});
+
+test('undo brings the field of before back, bit for bit; redo the other', async () => {
+  const first = await field();
+  await drop('source', 30, 20);
+  const second = await field();
+  assert.notEqual(Buffer.compare(first, second), 0);
+  await page.keyboard.press('Control+z');
+  await page.waitForFunction(() => !(alcap.design.singularities || []).length);
+  assert.equal(Buffer.compare(first, await field()), 0);
+  await page.keyboard.press('Control+Shift+z');
+  await page.waitForFunction(() => (alcap.design.singularities || []).length === 1);
+  assert.equal(Buffer.compare(second, await field()), 0);
+});
+
+test('every request needs the token, our host and our origin', async () => {
+  const { port, searchParams } = new URL(server.url);
+  const t = searchParams.get('t');
+  const get = (path, headers = {}, method = 'GET') => new Promise((done, fail) => {
+    http.request({ host: '127.0.0.1', port, path, method, headers }, (answer) => { answer.resume(); done(answer.statusCode); }).on('error', fail).end();
+  });
+  assert.equal(await get(`/?t=${t}`), 200);
+  for (const path of ['/', '/api/mesh', '/api/state', '/api/design', '/api/export', '/nothing']) {
+    assert.equal(await get(path), 403);
+    assert.equal(await get(`${path}?t=${t.slice(0, -1)}`), 403);
+    assert.equal(await get(`${path}?t=${'0'.repeat(32)}`), 403);
+  }
+  assert.equal(await get(`/?t=${t}`, { Host: `evil.example:${port}` }), 403);
+  assert.equal(await get(`/api/undo?t=${t}`, { Origin: 'http://evil.example' }, 'POST'), 403);
+  assert.equal(await get(`/api/undo?t=${t}`, { 'Sec-Fetch-Site': 'cross-site' }, 'POST'), 403);
+  assert.equal(await get(`/api/state?t=${t}`, { Origin: `http://127.0.0.1:${port}` }), 200);
+});
+
+test('designs that make no sense or name files are refused, and change nothing', async () => {
+  const before = readFileSync(server.design, 'utf8');
+  const post = async (body) => (await request(server.url, '/api/edit', {}, { method: 'POST', body })).status;
+  assert.equal(await post('{'), 400);
+  assert.equal(await post('{"alcap_design": 1, "n": 4, "surprise": 1}'), 400);
+  assert.equal(await post('{"alcap_design": 1, "n": 4, "singularities": [{"face": 99999999, "kind": "saddle"}]}'), 400);
+  assert.equal(await post('{"alcap_design": 1, "n": 4, "guidance": {"file": "/etc/hostname"}}'), 400);
+  assert.equal(await post(`{"alcap_design": 1, "n": 4, "comment": "${'x'.repeat(9 << 20)}"}`).catch(() => 413), 413);
+  assert.equal(readFileSync(server.design, 'utf8'), before);
+});
+
+test('cones: a running sum says what is missing, and the field comes when it is right', async () => {
+  const cones = (list) => JSON.stringify({ alcap_design: 1, n: 4, guidance: { field: 'smoothest' }, connection: { kind: 'trivial', cones: list.map((vertex) => ({ vertex, index: '1/4' })) } });
+  const post = (list) => request(server.url, '/api/edit', {}, { method: 'POST', body: cones(list) });
+  assert.equal((await post([0, 1, 2])).status, 200);
+  await page.waitForFunction(() => /Place \+5\/4 more/.test(document.querySelector('.cones').textContent));
+  assert.notEqual((await state()).meta.problem, '');
+  await post([0, 1, 2, 3, 4, 5, 6, 7]);
+  await page.waitForFunction(() => /of 2 needed\+2 ✓/.test(document.querySelector('.cones').textContent));
+  assert.equal((await state()).meta.problem, '');
+});
+
+test('the field aligns with principal curvature, and vector fields are not offered it', async () => {
+  await page.click('[data-value=curvature]');
+  await page.waitForFunction(() => alcap.design.guidance.field === 'curvature');
+  await settled();
+  assert.equal(design().guidance.field, 'curvature');
+  await page.click('[role=radiogroup][aria-label=Symmetry] [data-value="1"]');
+  await page.waitForFunction(() => alcap.design.n === 1);
+  await settled();
+  assert.equal(design().guidance.field, 'smoothest');
+  assert.equal(await page.isDisabled('[data-value=curvature]'), true);
+  assert.deepEqual(await page.locator('.toolbox button').allTextContents(), ['Turn', 'Source', 'Sink', 'Vortex', 'Saddle', 'Brush']);
+});
+
+test('a second tab follows', async () => {
+  const tab = await open(browser, server.url, { viewport: { width: 390, height: 844 } });
+  await settled(tab);
+  await drop('source');
+  await tab.waitForFunction(() => (alcap.design.singularities || []).length === 1);
+  await settled(tab);
+  assert.ok((await darkPixels(tab)) > 1500);
+  assert.deepEqual(tab.complaints, []);
+  await tab.context().close();
+});
+
+test('a killed server starts again with the same design and the same field', async () => {
+  await drop('saddle', -40, 30);
+  const text = readFileSync(server.design, 'utf8'), before = await field();
+  await page.goto('about:blank');
+  await server.kill();
+  server = await studio(mesh);
+  assert.equal(readFileSync(server.design, 'utf8'), text);
+  page = await open(browser, server.url);
+  await page.waitForFunction(() => (alcap.design.singularities || []).length === 1);
+  assert.deepEqual(await page.evaluate(() => alcap.design), JSON.parse(text));
+  const again = await field();
+  assert.equal(again.length, before.length);
+  assert.deepEqual(page.complaints, []);
+});
