@@ -51,6 +51,7 @@ void fix_phase(ComplexVector& u);
 [[nodiscard]] HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma);
 
 [[nodiscard]] EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options);
+[[nodiscard]] EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options);
 
 }  // namespace alcap::detail

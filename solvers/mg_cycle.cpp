@@ -30,45 +30,67 @@ struct Chebyshev {
   float first, momentum, second;
 };
 
-/// x += p(A) (b - A x), or x = p(A) b. On return d is workspace used up.
+/// x += p(A) (b - A x), or x = p(A) b. On return d and r are used up.
 template <int K>
-void smooth(const Level& level, const ComplexF* b, ComplexF* x, ComplexF* d, ComplexF* r, bool from_zero) {
+void smooth(const Level& level, const float* b, float* x, float* d, float* r, bool from_zero) {
+  constexpr int width = 2 * K;
   const Chebyshev c(level.largest);
   const float* diagonal = level.diagonal.data();
   const float* inverse = level.inverse.data();
   if (from_zero) {
     parallel_for(level.rows(), [=](std::int64_t i) {
-      for (int k = 0; k < K; ++k) d[K * i + k] = c.first * inverse[i] * b[K * i + k];
+      for (int k = 0; k < width; ++k) d[width * i + k] = c.first * inverse[i] * b[width * i + k];
     });
-    for_rows<K>(level.off, d, [=](std::int64_t i, const ComplexF* sum) {
-      for (int k = 0; k < K; ++k) {
-        const ComplexF rest = b[K * i + k] - diagonal[i] * d[K * i + k] - sum[k];
-        x[K * i + k] = (1 + c.momentum) * d[K * i + k] + c.second * inverse[i] * rest;
+    for_rows<K>(level.off, d, [=](std::int64_t i, const float* sum) {
+      const float scale = c.second * inverse[i];
+      for (int k = 0; k < width; ++k) {
+        const float rest = b[width * i + k] - diagonal[i] * d[width * i + k] - sum[k];
+        x[width * i + k] = (1 + c.momentum) * d[width * i + k] + scale * rest;
       }
     });
     return;
   }
-  for_rows<K>(level.off, x, [=](std::int64_t i, const ComplexF* sum) {
-    for (int k = 0; k < K; ++k) {
-      r[K * i + k] = b[K * i + k] - diagonal[i] * x[K * i + k] - sum[k];
-      d[K * i + k] = c.first * inverse[i] * r[K * i + k];
+  for_rows<K>(level.off, x, [=](std::int64_t i, const float* sum) {
+    const float scale = c.first * inverse[i];
+    for (int k = 0; k < width; ++k) {
+      const float rest = b[width * i + k] - diagonal[i] * x[width * i + k] - sum[k];
+      r[width * i + k] = rest;
+      d[width * i + k] = scale * rest;
     }
   });
-  for_rows<K>(level.off, d, [=](std::int64_t i, const ComplexF* sum) {
-    for (int k = 0; k < K; ++k) {
-      const ComplexF rest = r[K * i + k] - diagonal[i] * d[K * i + k] - sum[k];
-      x[K * i + k] += (1 + c.momentum) * d[K * i + k] + c.second * inverse[i] * rest;
+  for_rows<K>(level.off, d, [=](std::int64_t i, const float* sum) {
+    const float scale = c.second * inverse[i];
+    for (int k = 0; k < width; ++k) {
+      const float rest = r[width * i + k] - diagonal[i] * d[width * i + k] - sum[k];
+      x[width * i + k] += (1 + c.momentum) * d[width * i + k] + scale * rest;
     }
   });
+}
+
+/// x = A^-1 b with the dense inverse.
+template <int K>
+void solve_densely(const std::vector<ComplexF>& inverse, Index n, const float* b, float* x) {
+  const auto* value = reinterpret_cast<const float*>(inverse.data());
+  for (Index i = 0; i < n; ++i) {
+    float sum[2 * K] = {};
+    for (Index j = 0; j < n; ++j) {
+      const float ar = value[2 * (std::int64_t{i} * n + j)];
+      const float ai = value[2 * (std::int64_t{i} * n + j) + 1];
+      const float* z = b + 2 * K * std::int64_t{j};
+      for (int k = 0; k < K; ++k) sum[k] += ar * z[k] - ai * z[K + k];
+      for (int k = 0; k < K; ++k) sum[K + k] += ar * z[K + k] + ai * z[k];
+    }
+    std::copy(sum, sum + 2 * K, x + 2 * K * std::int64_t{i});
+  }
 }
 
 }  // namespace
 
 template <int K>
-Hierarchy::Workspace Hierarchy::workspace() const {
+Hierarchy::Workspace Hierarchy::workspace(std::size_t first) const {
   Workspace w;
-  for (const Level& level : levels_) {
-    const std::size_t size = K * at(level.rows());
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    const std::size_t size = l < first ? 0 : 2 * K * at(levels_[l].rows());
     w.x.emplace_back(size);
     w.b.emplace_back(size);
     w.d.emplace_back(2 * size);
@@ -78,51 +100,46 @@ Hierarchy::Workspace Hierarchy::workspace() const {
 
 template <int K>
 void Hierarchy::visit(std::size_t l, Workspace& w, bool from_zero) const {
+  constexpr int width = 2 * K;
   const Level& level = levels_[l];
-  const Index n = level.rows();
-  ComplexF* x = w.x[l].data();
-  ComplexF* b = w.b[l].data();
-  ComplexF* d = w.d[l].data();
-  ComplexF* r = d + K * at(n);
+  float* x = w.x[l].data();
+  float* b = w.b[l].data();
+  float* d = w.d[l].data();
+  float* r = d + w.x[l].size();
   if (l + 1 == levels_.size()) {
-    if (coarsest_inverse_.empty()) {
-      // Too many rows left and no more coupling: the smoother converges fast.
-      for (int sweep = 0; sweep < 4; ++sweep) smooth<K>(level, b, x, d, r, from_zero && sweep == 0);
+    if (!coarsest_inverse_.empty()) {
+      solve_densely<K>(coarsest_inverse_, level.rows(), b, x);
       return;
     }
-    for (Index i = 0; i < n; ++i) {
-      ComplexF sum[K] = {};
-      for (Index j = 0; j < n; ++j) {
-        const ComplexF a = coarsest_inverse_[at(i) * at(n) + at(j)];
-        for (int k = 0; k < K; ++k) {
-          const ComplexF z = b[K * j + k];
-          sum[k] += ComplexF(a.real() * z.real() - a.imag() * z.imag(), a.real() * z.imag() + a.imag() * z.real());
-        }
-      }
-      std::copy(sum, sum + K, x + std::int64_t{K} * i);
-    }
+    // Too many rows left and no more coupling: the smoother converges fast.
+    for (int sweep = 0; sweep < 4; ++sweep) smooth<K>(level, b, x, d, r, from_zero && sweep == 0);
     return;
   }
   smooth<K>(level, b, x, d, r, from_zero);
-  for_rows<K>(level.off, x, [=, &level](std::int64_t i, const ComplexF* sum) {
-    for (int k = 0; k < K; ++k) r[K * i + k] = b[K * i + k] - level.diagonal[at(i)] * x[K * i + k] - sum[k];
+  const float* diagonal = level.diagonal.data();
+  for_rows<K>(level.off, x, [=](std::int64_t i, const float* sum) {
+    for (int k = 0; k < width; ++k) r[width * i + k] = b[width * i + k] - diagonal[i] * x[width * i + k] - sum[k];
   });
-  ComplexF* coarse_b = w.b[l + 1].data();
-  for_rows<K>(level.restriction, r, [=](std::int64_t i, const ComplexF* sum) {
-    for (int k = 0; k < K; ++k) coarse_b[K * i + k] = sum[k];
+  float* coarse_b = w.b[l + 1].data();
+  for_rows<K>(level.restriction, r, [=](std::int64_t i, const float* sum) {
+    for (int k = 0; k < width; ++k) coarse_b[width * i + k] = sum[k];
   });
   visit<K>(l + 1, w, true);
   // The second visit makes it a W. The coarsest level is solved exactly at once.
   if (l + 2 < levels_.size()) visit<K>(l + 1, w, false);
-  for_rows<K>(level.prolongation, w.x[l + 1].data(), [=](std::int64_t i, const ComplexF* sum) {
-    for (int k = 0; k < K; ++k) x[K * i + k] += sum[k];
+  for_rows<K>(level.prolongation, w.x[l + 1].data(), [=](std::int64_t i, const float* sum) {
+    for (int k = 0; k < width; ++k) x[width * i + k] += sum[k];
   });
   smooth<K>(level, b, x, d, r, false);
 }
 
-template Hierarchy::Workspace Hierarchy::workspace<1>() const;
-template Hierarchy::Workspace Hierarchy::workspace<4>() const;
-template void Hierarchy::visit<1>(std::size_t, Workspace&, bool) const;
-template void Hierarchy::visit<4>(std::size_t, Workspace&, bool) const;
+#define ALCAP_INSTANTIATE(K)                                                \
+  template Hierarchy::Workspace Hierarchy::workspace<K>(std::size_t) const; \
+  template void Hierarchy::visit<K>(std::size_t, Workspace&, bool) const;
+ALCAP_INSTANTIATE(1)
+ALCAP_INSTANTIATE(4)
+ALCAP_INSTANTIATE(8)
+ALCAP_INSTANTIATE(16)
+#undef ALCAP_INSTANTIATE
 
 }  // namespace alcap::detail

@@ -19,17 +19,19 @@ constexpr double stalled = 0.8;
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// The finest level: A in single precision, couplings against the transport lumped into the diagonal.
-Level finest(const SparseMatrix<std::complex<double>>& A, const SparseMatrix<std::complex<double>>* transport) {
-  const Index n = static_cast<Index>(A.rows());
+Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transport) {
+  const auto n = static_cast<Index>(A.S.rows());
+  const Index* start = A.S.outerIndexPtr();
+  const Index* row = A.S.innerIndexPtr();
   Level level;
   level.diagonal.resize(at(n));
   level.off.start.assign(at(n) + 1, 0);
   // Row i of A is the conjugate of column i. Calls entry(column, value) for what is kept, returns the diagonal.
   const auto read = [&](Index i, auto&& entry) {
     double diagonal = 0;
-    for (std::int64_t e = A.outerIndexPtr()[i]; e < A.outerIndexPtr()[i + 1]; ++e) {
-      const Index j = A.innerIndexPtr()[e];
-      const std::complex<double> a = std::conj(A.valuePtr()[e]);
+    for (std::int64_t e = start[i]; e < start[i + 1]; ++e) {
+      const Index j = row[e];
+      const std::complex<double> a = std::conj(A.value(e));
       if (j == i) {
         diagonal += a.real();
         continue;
@@ -108,8 +110,9 @@ void prepare_smoother(Level& level) {
       return std::sqrt(
           parallel_sum<double>(n, [&](std::int64_t i) { return double{std::norm(v[at(i)])} * level.diagonal[at(i)]; }));
     };
-    for_rows<1>(level.off, x.data(),
-                [&](std::int64_t i, const ComplexF* sum) { y[at(i)] = x[at(i)] + level.inverse[at(i)] * sum[0]; });
+    for_rows<1>(level.off, reinterpret_cast<const float*>(x.data()), [&](std::int64_t i, const float* sum) {
+      y[at(i)] = x[at(i)] + level.inverse[at(i)] * ComplexF(sum[0], sum[1]);
+    });
     const double before = norm(x);
     const double after = norm(y);
     if (!(before > 0) || !(after > 0)) break;
@@ -123,8 +126,7 @@ void prepare_smoother(Level& level) {
 
 }  // namespace
 
-void Hierarchy::build(const SparseMatrix<std::complex<double>>& A,
-                      const SparseMatrix<std::complex<double>>* transport) {
+void Hierarchy::build(const Operand& A, const SparseMatrix<std::complex<double>>* transport) {
   levels_.clear();
   levels_.push_back(finest(A, transport));
   for (;;) {

@@ -40,25 +40,35 @@ void smooth_prolongation(Level& level, const Aggregates& aggregates);
          theta * theta * level.diagonal[static_cast<std::size_t>(i)] * level.diagonal[j];
 }
 
+/// S - sigma M without forming it. M, when not null, has the pattern of S; both are compressed.
+struct Operand {
+  const SparseMatrix<std::complex<double>>& S;
+  const SparseMatrix<std::complex<double>>* M = nullptr;
+  double sigma = 0;
+  [[nodiscard]] std::complex<double> value(std::int64_t e) const {
+    return M == nullptr ? S.valuePtr()[e] : S.valuePtr()[e] - sigma * M->valuePtr()[e];
+  }
+};
+
 class Hierarchy {
  public:
   /// Builds all levels from A. `transport`, when not null, is a matrix of A's pattern whose off-diagonal phases are the
   /// transports (the mass matrix is one): couplings of A that work against them (obtuse angles, mass terms) are lumped.
   /// Bitwise independent of threads. Throws SolveError when A has a diagonal entry that is not positive.
-  void build(const SparseMatrix<std::complex<double>>& A, const SparseMatrix<std::complex<double>>* transport);
+  void build(const Operand& A, const SparseMatrix<std::complex<double>>* transport);
 
-  /// Workspace of one W-cycle with K vectors.
+  /// Workspace of W-cycles with K vectors (1, 4, 8 or 16) that start on level `first` or coarser.
   struct Workspace {
-    std::vector<std::vector<ComplexF>> x, b, d;
+    std::vector<std::vector<float>> x, b, d;
   };
   template <int K>
-  [[nodiscard]] Workspace workspace() const;
+  [[nodiscard]] Workspace workspace(std::size_t first = 0) const;
 
-  /// x ~ A^-1 b by one W-cycle from zero. Hermitian positive definite, so fit for preconditioning. The vectors are
-  /// w.b[0] and w.x[0].
+  /// x ~ A^-1 b by one W-cycle from zero on a level. Hermitian positive definite, so fit for preconditioning. The
+  /// vectors are w.b[level] and w.x[level].
   template <int K>
-  void cycle(Workspace& w) const {
-    visit<K>(0, w, true);
+  void cycle(Workspace& w, std::size_t level = 0) const {
+    visit<K>(level, w, true);
   }
 
   [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }

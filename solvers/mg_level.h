@@ -2,8 +2,8 @@
 //
 // mg_level.h: the data of one multigrid level and its row-wise products. Internal to solvers/.
 //
-// Values are single precision: a preconditioner needs no more, and time is memory traffic. Blocks of K vectors are
-// interleaved: entry k of row i at x[K i + k].
+// Values are single precision: a preconditioner needs no more, and time is memory traffic. Blocks of K vectors lie row
+// by row, K real parts and then K imaginary parts, so that the K vectors are the lanes of vector instructions.
 #pragma once
 
 #include <complex>
@@ -39,28 +39,22 @@ struct Level {
 /// Rows per task: about 100 microseconds of work.
 inline constexpr std::int64_t mg_grain = 4096;
 
-/// use(i, sum) with sum[k] = sum over entries of row i of A_ij x_jk, for all rows in parallel.
+/// use(i, sum) with the 2 K numbers of row i of A x, for all rows in parallel. `x` has 2 K numbers a row.
 template <int K, class Use>
-void for_rows(const Rows& A, const ComplexF* x, Use&& use) {
+void for_rows(const Rows& A, const float* x, Use&& use) {
   const std::int64_t* start = A.start.data();
   const Index* column = A.column.data();
   const auto* value = reinterpret_cast<const float*>(A.value.data());
-  const auto* in = reinterpret_cast<const float*>(x);
   parallel_ranges(A.rows(), mg_grain, [&](std::int64_t begin, std::int64_t end) {
     for (std::int64_t i = begin; i < end; ++i) {
-      float re[K] = {};
-      float im[K] = {};
+      float sum[2 * K] = {};
       for (std::int64_t e = start[i]; e < start[i + 1]; ++e) {
         const float ar = value[2 * e];
         const float ai = value[2 * e + 1];
-        const float* z = in + 2 * K * std::int64_t{column[e]};
-        for (int k = 0; k < K; ++k) {
-          re[k] += ar * z[2 * k] - ai * z[2 * k + 1];
-          im[k] += ar * z[2 * k + 1] + ai * z[2 * k];
-        }
+        const float* z = x + 2 * K * std::int64_t{column[e]};
+        for (int k = 0; k < K; ++k) sum[k] += ar * z[k] - ai * z[K + k];
+        for (int k = 0; k < K; ++k) sum[K + k] += ar * z[K + k] + ai * z[k];
       }
-      ComplexF sum[K];
-      for (int k = 0; k < K; ++k) sum[k] = {re[k], im[k]};
       use(i, sum);
     }
   });

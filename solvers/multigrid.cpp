@@ -53,7 +53,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
                         std::equal(A_.innerIndexPtr(), A_.innerIndexPtr() + A_.nonZeros(), transport_.innerIndexPtr());
       if (transport_.rows() != 0 && !fits)
         throw SolveError("multigrid: the transport has another pattern than the matrix");
-      hierarchy_.build(A_, fits ? &transport_ : nullptr);
+      hierarchy_.build({.S = A_}, fits ? &transport_ : nullptr);
     } catch (const std::bad_alloc&) {
       throw SolveError("multigrid: out of memory");
     }
@@ -133,9 +133,12 @@ class Multigrid final : public LinearSolver<complex<double>> {
 
   /// z = one cycle applied to r, which is brought to unit size first so that single precision has its full range.
   void precondition(const Vector& r, Vector& z, double size, Hierarchy::Workspace& w) const {
-    parallel_for(rows_, [&](std::int64_t i) { w.b[0][static_cast<std::size_t>(i)] = ComplexF(r[i] / size); });
+    const double unit = 1 / size;
+    auto* b = reinterpret_cast<ComplexF*>(w.b[0].data());
+    const auto* x = reinterpret_cast<const ComplexF*>(w.x[0].data());
+    parallel_for(rows_, [&](std::int64_t i) { b[i] = ComplexF(r[i] * unit); });
     hierarchy_.cycle<1>(w);
-    parallel_for(rows_, [&](std::int64_t i) { z[i] = size * complex<double>(w.x[0][static_cast<std::size_t>(i)]); });
+    parallel_for(rows_, [&](std::int64_t i) { z[i] = size * complex<double>(x[i]); });
   }
 
   SolverOptions options_;

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: MIT
+//
+// lobpcg_refine.h: the last digits of one eigenpair: LOBPCG in double for a single vector, in a basis enlarged by the
+// neighbouring Ritz vectors of the block phase, which remove what clusters would leave. Internal to solvers/.
+#pragma once
+
+#include "solvers/lobpcg_block.h"
+#include "solvers/mg_hierarchy.h"
+#include "solvers/pencil.h"
+
+namespace alcap::detail {
+
+struct RefineOptions {
+  double tolerance = 1e-8;  ///< |S u - lambda M u| / (max(lambda, floor) |M u|)
+  double floor = 0;         ///< of eigenvalues, in the pencil's scale
+  double negative = 0;      ///< below minus this S counts as indefinite
+  int max_iterations = 100;
+};
+
+struct Refined {
+  ComplexVector u;
+  double next = 0;  ///< second Ritz value, in the pencil's scale
+  int iterations = 0;
+  double residual = 1;
+  /// `narrow`: the block was smaller than the cluster, nothing was refined.
+  enum class End { converged, limit, stalled, indefinite, narrow } end = End::stalled;
+};
+
+/// `Y` holds K Ritz vectors, the first of them the start. K: 4, 8, 16.
+template <int K>
+[[nodiscard]] Refined refine(const FinePencil& pencil, const Hierarchy& hierarchy, Block Y,
+                             const RefineOptions& options);
+
+}  // namespace alcap::detail
