@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 #
 # demo.sh [FOLDER]: computes the smoothest cross field on the Stanford bunny of Debian's glmark2-data, a scan of 70,000
-# triangles taken as it comes, and writes the field, its certificate and a picture into FOLDER (default: out/bunny of
-# the repository). Installs and builds what it needs.
+# triangles taken as it comes, and writes the field, its certificate, a picture and a page for the browser into FOLDER
+# (default: out/bunny of the repository). Installs and builds what it needs.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 case ${1:-} in
@@ -23,17 +23,25 @@ if [ ! -r "$mesh" ]; then
   mkdir -p "$root/build"
   "$root/scripts/make_mesh.sh" 93 >"$mesh"
 fi
+# npm fetches what the page to turn in the browser is made of; all else works without.
+command -v npm >/dev/null || try_install npm || echo "   npm cannot be had, so there will be no page: $why"
 build "$preset" alcap_cli
 
 say "Computing the smoothest cross field (n = 4) on $mesh"
 alcap=$root/build/$preset/apps/alcap/alcap
-code=0
-"$alcap" field "$mesh" -n 4 -o "$out" --png "$out/field.png" || code=$?
-if [ "$code" -eq 6 ]; then
-  say "No picture can be made here, as the message above says; computing the field without one"
+# The picture needs OpenGL and the page npm; where one cannot be had (exit code 6 or 2), the rest is made without it.
+rm -f "$out/field.png" "$out/field.html"
+for extras in "png html" html png ""; do
   code=0
-  "$alcap" field "$mesh" -n 4 -o "$out" || code=$?
-fi
+  options=()
+  for kind in $extras; do options+=("--$kind" "$out/field.$kind"); done
+  "$alcap" field "$mesh" -n 4 -o "$out" "${options[@]}" || code=$?
+  case $code in
+    2 | 6) say "Not all of it can be made here, as the message above says; computing with less" ;;
+    *) break ;;
+  esac
+done
 [ "$code" -eq 0 ] || die "alcap exited with code $code; its message is above."
 say "Everything is in $(cd "$out" && pwd); the certificate is report.json, field.vtp opens in ParaView"
 [ ! -e "$out/field.png" ] || echo "   Look at $out/field.png"
+[ ! -e "$out/field.html" ] || echo "   Open $out/field.html in a browser and turn it"

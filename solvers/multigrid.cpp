@@ -2,9 +2,12 @@
 //
 // multigrid.cpp: flexible conjugate gradients (Notay 2000) in double, preconditioned by a single precision W-cycle of
 // gauge-covariant smoothed aggregation. On triangle meshes 10 to 20 iterations at any size; needle triangles with large
-// negative cotangents (CAD tessellations) are the exception, which the report's `converged` tells.
+// negative cotangents (CAD tessellations) are the exception: where the cycles stall the matrix is factorised, and the
+// report's `solver` says so.
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <mutex>
 #include <new>
 #include <string>
 
@@ -24,6 +27,10 @@ double dot(const Vector& x, const Vector& y) {
   return parallel_sum<double>(x.size(),
                               [&](std::int64_t i) { return x[i].real() * y[i].real() + x[i].imag() * y[i].imag(); });
 }
+
+/// So many iterations must at least halve the residual; on meshes that multigrid is for they gain ten digits.
+constexpr int patience = 30;
+constexpr double least_progress = 0.5;
 
 class Multigrid final : public LinearSolver<complex<double>> {
  public:
@@ -45,6 +52,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
       throw SolveError("multigrid: the matrix has another pattern than the one analysed");
     }
     ready_ = false;
+    direct_.reset();
     try {
       A_ = A;
       A_.makeCompressed();
@@ -73,7 +81,15 @@ class Multigrid final : public LinearSolver<complex<double>> {
     auto workspace = hierarchy_.workspace<1>();
     for (Eigen::Index c = 0; c < B.cols(); ++c) {
       Vector x;
-      const auto [iterations, relative] = conjugate_gradients(B.col(c), x, workspace);
+      auto [iterations, relative] = conjugate_gradients(B.col(c), x, workspace);
+      if (relative > options_.tolerance && iterations < options_.max_iterations) {
+        const LinearSolver<complex<double>>& direct = factorised();
+        MatrixX<complex<double>> column(rows_, 1);
+        (void)direct.solve(B.col(c), column);
+        x = column.col(0);
+        relative = residual_of(x, B.col(c));
+        report.solver = name() + ", stalled, then " + direct.name();
+      }
       X.col(c) = x;
       report.iterations = std::max(report.iterations, iterations);
       if (!(relative <= report.residual)) report.residual = relative;
@@ -102,8 +118,13 @@ class Multigrid final : public LinearSolver<complex<double>> {
     Vector Ap = Vector::Zero(n);
     double curvature = 1;
     double relative = 1;
+    double checkpoint = 1;
     int iteration = 0;
     while (iteration < options_.max_iterations) {
+      if (iteration > 0 && iteration % patience == 0) {
+        if (!(relative <= least_progress * checkpoint)) break;
+        checkpoint = relative;
+      }
       ++iteration;
       precondition(r, z, norm_b * relative, workspace);
       // The preconditioner is rounded: p is made conjugate to the last one explicitly.
@@ -131,6 +152,22 @@ class Multigrid final : public LinearSolver<complex<double>> {
     return {iteration, relative};
   }
 
+  [[nodiscard]] double residual_of(const Vector& x, const Eigen::Ref<const Vector>& b) const {
+    return residual<complex<double>>(A_, MatrixX<complex<double>>(x), MatrixX<complex<double>>(b));
+  }
+
+  /// The factorisation that takes over, made when it is first needed.
+  const LinearSolver<complex<double>>& factorised() const {
+    const std::lock_guard<std::mutex> lock(*direct_lock_);
+    if (!direct_) {
+      auto direct = make_linear_solver<complex<double>>();
+      direct->analyse(A_);
+      direct->factorise(A_);
+      direct_ = std::move(direct);
+    }
+    return *direct_;
+  }
+
   /// z = one cycle applied to r, which is brought to unit size first so that single precision has its full range.
   void precondition(const Vector& r, Vector& z, double size, Hierarchy::Workspace& w) const {
     const double unit = 1 / size;
@@ -149,6 +186,8 @@ class Multigrid final : public LinearSolver<complex<double>> {
   Hierarchy hierarchy_;
   bool ready_ = false;
   SolveReport report_;  // times of factorise()
+  std::unique_ptr<std::mutex> direct_lock_ = std::make_unique<std::mutex>();
+  mutable std::unique_ptr<LinearSolver<complex<double>>> direct_;
 };
 
 /// Real symmetric systems as complex ones with zero imaginary part.

@@ -206,3 +206,24 @@ TEST_CASE("what it cannot do is said") {
   other->analyse(A);
   CHECK_THROWS_AS(other->factorise(A), SolveError);
 }
+
+TEST_CASE("where the cycles stall, the matrix is factorised, and the report says so") {
+  const Problem p = connection_laplacian(cad_like(2000, 3), 4);  // needles hundreds of times longer than wide
+  const Hermitian A = Hermitian(p.S + Z(1 / p.area) * p.M);
+  const auto solver = make_linear_solver<Z>({.name = "multigrid", .tolerance = 1e-9});
+  solver->set_transport(p.M);
+  solver->analyse(A);
+  solver->factorise(A);
+  Dense B(A.rows(), 2), X(A.rows(), 2);
+  B << random_vector(A.rows(), 1), random_vector(A.rows(), 2);
+  const SolveReport report = solver->solve(B, X);
+  CHECK(report.converged);
+  CHECK(residual<Z>(A, X, B) <= 1e-9);
+  CHECK(report.iterations < 1000);
+  CHECK(report.solver.find("stalled") != std::string::npos);
+  // Other values of the same pattern: nothing of the old factorisation is left.
+  const Hermitian twice = 2 * A;
+  solver->factorise(twice);
+  (void)solver->solve(B, X);
+  CHECK(residual<Z>(twice, X, B) <= 1e-9);
+}

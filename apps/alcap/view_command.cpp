@@ -14,6 +14,7 @@
 #include "commands.h"
 #include "html_page.h"
 #include "outputs.h"
+#include "png_picture.h"
 #include "report.h"
 #include "shared_options.h"
 #include "view_scene.h"
@@ -26,6 +27,7 @@ constexpr const char* footer =
     "  alcap field bunny.ply -n 4 -o out\n"
     "  alcap view out -o bunny.html          with the figures of out/report.json\n"
     "  alcap view out/field.ply -o bunny.html\n"
+    "  alcap view out --png bunny.png        a picture instead of a page, or both\n"
     "\n"
     "The page is one file and needs no network: open it from the disk, or send it to somebody. `alcap field ... "
     "--html\n"
@@ -35,7 +37,8 @@ struct ViewOptions {
   std::filesystem::path field = {};
   FieldRunOptions run = {};
   CLI::Option* connection = nullptr;  // --connection, to see whether it was given
-  std::filesystem::path output = {};
+  std::filesystem::path output = {};  // none: no page
+  PictureOptions picture = {};
   std::string title = {};
 };
 
@@ -57,8 +60,14 @@ std::string title_of(const ViewOptions& options, const std::filesystem::path& fi
 
 Outcome run(ViewOptions options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  check_page();
-  check_writable(options.output);
+  const bool page_wanted = !options.output.empty();
+  if (!page_wanted && options.picture.file.empty() && options.picture.curves.empty())
+    throw Failure(Exit::usage, "nothing is to be made; give -o FILE.html, --png FILE or --curves FILE");
+  if (page_wanted) {
+    check_page();
+    check_writable(options.output);
+  }
+  check_picture(options.picture);
   std::error_code error;
   const bool folder = std::filesystem::is_directory(options.field, error);
   const std::filesystem::path file = folder ? options.field / "field.ply" : options.field;
@@ -87,26 +96,42 @@ Outcome run(ViewOptions options, Progress& progress) {
   const std::vector<Singularity> singularities = find_singularities(mesh, geometry, connection, data.field);
 
   progress.phase("drawing curves");
-  const ViewPack scene = make_scene({mesh, data.V, geometry, connection, data.field, singularities},
-                                    title_of(options, file, figures), figures);
-  progress.phase("writing");
-  const std::string page = html_page(scene);
-  write_text(options.output, page);
+  std::vector<std::string> files = write_pictures({.mesh = mesh,
+                                                   .V = data.V,
+                                                   .geometry = geometry,
+                                                   .connection = connection,
+                                                   .field = data.field,
+                                                   .singularities = singularities},
+                                                  options.picture);
+  std::size_t bytes = 0;
+  if (page_wanted) {
+    const ViewPack scene = make_scene({mesh, data.V, geometry, connection, data.field, singularities},
+                                      title_of(options, file, figures), figures);
+    progress.phase("writing");
+    const std::string page = html_page(scene);
+    write_text(options.output, page);
+    bytes = page.size();
+    files.push_back(options.output.string());
+  }
 
   Outcome outcome{.report = report_head("view", true)};
   outcome.report["field"] = file.string();
   outcome.report["n"] = data.field.n;
   outcome.report["mesh"] = {{"vertices", mesh.vertices()}, {"faces", mesh.faces()}};
   outcome.report["singularities"] = {{"count", singularities.size()}};
-  outcome.report["bytes"] = page.size();
+  outcome.report["bytes"] = bytes;
   outcome.report["warnings"] = remarks_json(remarks, true);
-  outcome.report["files"] = {options.output.string()};
+  outcome.report["files"] = files;
   outcome.report["times"] = {
       {"total", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}};
   outcome.report["peak_memory_bytes"] = peak_memory_bytes();
   for (const Remark& r : remarks) outcome.text += fmt::format("{:<14}{}\n", "warning", r.message);
-  outcome.text += fmt::format("{:<14}{} ({:.1f} MB); open it in a browser\n", "wrote", options.output.string(),
-                              static_cast<double>(page.size()) / 1e6);
+  for (const std::string& f : files)
+    outcome.text +=
+        fmt::format("{:<14}{}{}\n", "wrote", f,
+                    page_wanted && f == options.output.string()
+                        ? fmt::format(" ({:.1f} MB); open it in a browser", static_cast<double>(bytes) / 1e6)
+                        : "");
   return outcome;
 }
 
@@ -116,9 +141,10 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
   app.add_option("field", options->field, "A .ply written by alcap field or alcap design, or the folder they wrote")
       ->required()
       ->type_name("FIELD");
-  app.add_option("-o,--output", options->output, "The page to write")->required()->type_name("FILE.html");
+  app.add_option("-o,--output", options->output, "The page to write")->type_name("FILE.html");
   app.add_option("--title", options->title, "Its title; otherwise the name of the mesh")->type_name("TEXT");
   add_connection_options(app, options->run);
+  add_picture_options(app, options->picture);
   options->connection = app.get_option("--connection");
   return [options](const Common&, Progress& progress) { return run(*options, progress); };
 }
