@@ -129,8 +129,9 @@ void add_curves(ViewPack& pack, const ViewSource& source, double spacing) {
 }
 
 double curve_spacing(const ViewSource& source) {
-  // Up to a hundred curves across; on coarse meshes not many more than they have edges.
-  return std::clamp(0.7 * source.geometry.lengths().mean() / diagonal_of(source.V), 0.006, 0.02);
+  // Some sixty curves across, so that they stay apart on a small screen too; on coarse meshes not many more than they
+  // have edges.
+  return std::clamp(0.7 * source.geometry.lengths().mean() / diagonal_of(source.V), 0.0095, 0.02);
 }
 
 void add_scalars(ViewPack& pack, const ViewSource& source) {
