@@ -331,3 +331,22 @@ TEST_CASE("strokes from a file, boundary, curvature, balanced cones and eigen de
   CHECK(cones["controls"].size() == 7);
   CHECK(run("ball.ply --method eigen")["solve"]["lambda"].size() == 1);
 }
+
+TEST_CASE("the designs of the figures on a scan of 70,000 triangles, where Debian's glmark2-data has it") {
+  const std::filesystem::path bunny = "/usr/share/glmark2/models/bunny.obj";
+  if (!std::filesystem::exists(bunny)) {
+    MESSAGE("skipped: there is no " << bunny.string());
+    return;
+  }
+  const CliFolder folder;
+  for (const char* name : {"fig5_crosses", "fig6_trisector_turned", "fig7_wedge", "fig8_stroke_vectors",
+                           "fig10_stroke_crosses", "fig11_trivial_stroke"}) {
+    CAPTURE(name);
+    const CliResult result =
+        folder.run("design " + bunny.string() + " --design '" +
+                   (std::filesystem::path(ALCAP_SOURCE_DIR) / "datasets/designs" / name).string() + ".json' --json");
+    CAPTURE(result.err);
+    REQUIRE(result.exit == 0);
+    check_certified(result.json());
+  }
+}
