@@ -153,8 +153,16 @@ struct Designer::State {
   // S2 still holds S.
   void check_t() const {
     if (!options.t || *options.t < 0) return;
-    // Only whether lambda_1 lies above matters: a few digits do.
-    const EigenResult smallest = smallest_eigenpair(S2, M, geometry.total_area(), {.tolerance = 1e-6});
+    // Only whether lambda_1 lies above matters: a few digits do. Vertices that no face uses get an eigenvalue far
+    // above.
+    SparseMatrix<C> S = S2, mass = M;
+    const double tiny = 1e-6 * M.coeffs().cwiseAbs().maxCoeff();
+    for (Index v = 0; v < mesh.vertices(); ++v)
+      if (!mesh.referenced(v)) {
+        S.valuePtr()[pattern.diagonal(v)] = 1;
+        mass.valuePtr()[pattern.diagonal(v)] = tiny;
+      }
+    const EigenResult smallest = smallest_eigenpair(S, mass, geometry.total_area(), {.tolerance = 1e-6});
     const double limit = 2 * smallest.report.lambda / unit();
     if (!(*options.t < limit * (1 - 1e-6)))
       throw OptionError("t", shown(*options.t),

@@ -186,6 +186,19 @@ TEST_CASE(
     CHECK(relative(2.0 * (S * v) - t * s.unit(n) * (M * v), s.unit(n) * (M * u0)) < 1e-9);
   }
   CHECK_THROWS_AS((void)s.designer({.n = 1, .guidance_weight = 1, .t = 0.0}), OptionError);
+
+  // A vertex that no face uses changes nothing, and its value is zero.
+  Surface more = s.surface;
+  more.V.conservativeResize(more.V.rows() + 1, 3);
+  more.V.bottomRows(1).setConstant(9);
+  const Case with_more(more);
+  const ComplexVectorX<double> u0 = with_more.random_field(3);
+  auto plain = s.designer({.n = 2, .t = 0.1}), other = with_more.designer({.n = 2, .t = 0.1});
+  plain.set_guidance(u0.head(u0.size() - 1));
+  other.set_guidance(u0);
+  const ComplexVectorX<double> u = other.solve().field.u;
+  CHECK(u[u.size() - 1] == C(0));
+  CHECK(relative(u.head(u.size() - 1), plain.solve().field.u) < 1e-9);
 }
 
 TEST_CASE("guidance weights, one or per vertex, change the matrix as a new designer would") {

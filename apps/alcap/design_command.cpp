@@ -9,7 +9,6 @@
 #include <cmath>
 #include <memory>
 
-#include "alcap/cones.h"
 #include "alcap/memory.h"
 #include "alcap/output.h"
 #include "commands.h"
