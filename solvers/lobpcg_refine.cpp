@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: MIT
+//
+// lobpcg_refine.cpp: LOBPCG for one vector on the finest level, in double with the consistent mass, preconditioned by a
+// multigrid cycle in float. The basis is x, the preconditioned residual w, the last step p, and the K neighbours that
+// the cascade found, so that a cluster does not slow it. Residuals and products with x are computed anew every step.
 #include "solvers/lobpcg_refine.h"
 
 #include <cmath>

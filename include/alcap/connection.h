@@ -111,7 +111,8 @@ template <class T>
 [[nodiscard]] Connection<T> locally_optimal(const Mesh& mesh, const Geometry<T>& geometry);
 
 /// Globally optimal (LTGD 2016, Sec. 5.3): minimises D_T + detail * D_E over all of rho, by conjugate gradients on the
-/// local system left after every face has moved its own corners; O(V), no factorisation. Throws OptionError for bad options.
+/// local system left after every face has moved its own corners; O(V), no factorisation. Throws OptionError for bad
+/// options.
 template <class T>
 [[nodiscard]] Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry,
                                              const GlobalOptions& options = {});
