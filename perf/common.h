@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // common.h: what the benchmark programs share: mesh families of any size, their own flags beside Google Benchmark's,
-// names that scripts/bench_report.py takes apart, and residuals computed without the library's solvers.
+// names that scripts/bench_report.py takes apart, residuals computed without the library's solvers, memory, and the
+// time of one matrix product, in which the work of solvers is counted ("sweeps").
 //
 //   perf_connection --faces=50000,327680 --threads=1,2 --families=jittered,torus --benchmark_repetitions=5
 //
@@ -11,8 +12,11 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -21,8 +25,13 @@
 
 #include "alcap/connection.h"
 #include "alcap/energies.h"
-#include "alcap/generators.h"
 #include "alcap/parallel.h"
+#include "alcap/solve.h"
+#include "perf/spheres.h"
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 namespace alcap::perf {
 
@@ -33,23 +42,71 @@ struct Plan {
   std::vector<std::string> families{"jittered"};
 };
 
-/// A mesh of about `faces` triangles. Spheres come in sizes 20 4^level: the nearest one.
+/// A mesh of about `faces` triangles; spheres have 20 f^2, which all sizes of the targets are. Scans are subdivided and
+/// come in sizes 20 4^level: the nearest one.
 inline Surface make_surface(const std::string& family, std::int64_t faces) {
   const int level = std::max(3, static_cast<int>(std::lround(std::log2(double(faces) / 20) / 2)));
   const int across = std::max(3, static_cast<int>(std::lround(std::sqrt(double(faces) / 4))));
-  if (family == "icosphere") return icosphere(level);
-  if (family == "jittered") return jittered_sphere(level, 0.2, 1);
+  const auto pieces = static_cast<Index>(std::max(3L, std::lround(std::sqrt(double(faces) / 20))));
+  if (family == "icosphere") return geodesic_sphere(pieces);
+  if (family == "jittered") {
+    Surface sphere = geodesic_sphere(pieces);
+    jitter(sphere, 0.2, 1);
+    return sphere;
+  }
   if (family == "torus") return torus_random_diagonals(2 * across, across, 1.0, 0.4, 1);
   if (family == "scan") return noisy_scan(level, 0.1, 1);
   if (family == "cad") return cad_like(64, std::max(1, static_cast<int>(faces / 256)));
   throw std::runtime_error("unknown family " + family + "; there are icosphere, jittered, torus, scan, cad");
 }
 
-struct Prepared {
+inline double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A mesh, and what benchmarks in a row share of it, made when first asked for.
+class Prepared {
+ public:
   Surface surface;
   Mesh mesh;
   Geometry<double> geometry;
   explicit Prepared(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
+
+  /// Globally optimal.
+  [[nodiscard]] const Connection<double>& connection() const {
+    if (!connection_) connection_ = std::make_unique<Connection<double>>(globally_optimal(mesh, geometry));
+    return *connection_;
+  }
+  /// Of the global connection; the last degree is kept.
+  [[nodiscard]] const StiffnessMass<double>& matrices(int n) const {
+    if (!matrices_ || degree_ != n) {
+      matrices_.reset();
+      matrices_ = std::make_unique<StiffnessMass<double>>(
+          stiffness_and_mass(mesh, HermitianPattern(mesh), geometry, connection(), n));
+      degree_ = n;
+    }
+    return *matrices_;
+  }
+  /// Seconds of one product with S on so many threads, the unit of "sweeps".
+  [[nodiscard]] double sweep_seconds(int threads) const {
+    double& best = sweeps_[threads];
+    if (best > 0) return best;
+    const SparseMatrix<Complex<double>>& S = matrices(std::max(degree_, 1)).S;
+    ComplexVectorX<double> x = ComplexVectorX<double>::Ones(S.rows()), y(S.rows());
+    best = 1e300;
+    for (int k = 0; k < 5; ++k) {
+      const auto start = std::chrono::steady_clock::now();
+      run_with_threads(threads, [&] { hermitian_product(S, x.data(), y.data()); });
+      best = std::min(best, seconds_since(start));
+    }
+    return best;
+  }
+
+ private:
+  mutable std::unique_ptr<Connection<double>> connection_;
+  mutable std::unique_ptr<StiffnessMass<double>> matrices_;
+  mutable int degree_ = 0;
+  mutable std::map<int, double> sweeps_;
 };
 
 /// The mesh of this family and size; kept until another one is asked for, so that benchmarks in a row share it.
@@ -77,6 +134,49 @@ inline void bandwidth(benchmark::State& state, double bytes) {
   state.counters["GB/s"] = benchmark::Counter(bytes / 1e9, benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// GFlop/s of an operation with so many in each iteration.
+inline void flops(benchmark::State& state, double operations) {
+  state.counters["GFlop/s"] = benchmark::Counter(operations / 1e9, benchmark::Counter::kIsIterationInvariantRate);
+}
+
+/// By how much the resident set grows at most from construction on. Linux only, 0 elsewhere.
+class Watermark {
+ public:
+  Watermark() {
+#ifdef __GLIBC__
+    malloc_trim(0);  // what is free already would hide what is asked for
+#endif
+    std::ofstream("/proc/self/clear_refs") << "5";  // the peak starts again from here
+    before_ = status("VmRSS:");
+  }
+  [[nodiscard]] double bytes() const { return std::max(0.0, status("VmHWM:") - before_); }
+
+ private:
+  static double status(const std::string& key) {
+    std::ifstream in("/proc/self/status");
+    for (std::string word; in >> word;)
+      if (word == key) {
+        double kilobytes = 0;
+        in >> kilobytes;
+        return 1024 * kilobytes;
+      }
+    return 0;
+  }
+  double before_ = 0;
+};
+
+/// True when memory for a problem that needs so many bytes per triangle is there now.
+inline bool fits(std::int64_t faces, double bytes_per_face) {
+  std::ifstream in("/proc/meminfo");
+  for (std::string word; in >> word;)
+    if (word == "MemAvailable:") {
+      double kilobytes = 0;
+      in >> kilobytes;
+      return double(faces) * bytes_per_face < 1024 * kilobytes;
+    }
+  return true;
+}
+
 /// y = A x, one thread, straight from the definition.
 inline ComplexVectorX<double> product(const SparseMatrix<Complex<double>>& A, const ComplexVectorX<double>& x) {
   ComplexVectorX<double> y = ComplexVectorX<double>::Zero(A.rows());
@@ -94,13 +194,19 @@ inline double eigen_residual(const SparseMatrix<Complex<double>>& S, const Spars
   return (Su - lambda * Mu).norm() / (std::abs(lambda) * Mu.norm());
 }
 
+/// Where a benchmark stops to make sense: sizes beyond are left out.
+struct Limits {
+  std::int64_t faces = std::int64_t{1} << 40;
+  double bytes_per_face = 1200;  // mesh, geometry, connection, matrices and an eigenvector's multigrid
+};
+
 /// Registers body(state, mesh, threads) as PHASE/family/faces/extra/threads:t for every combination of the plan.
 inline void add(const Plan& plan, const std::string& phase, const std::string& extra,
                 const std::function<void(benchmark::State&, const Prepared&, int threads)>& body,
-                std::int64_t largest = std::int64_t{1} << 40) {
+                const Limits& limits = {}) {
   for (const std::string& family : plan.families)
     for (const std::int64_t faces : plan.faces) {
-      if (faces > largest) continue;
+      if (faces > limits.faces || !fits(faces, limits.bytes_per_face)) continue;
       for (const int threads : plan.threads) {
         std::string name = phase;
         name += "/" + family + "/" + std::to_string(faces) + (extra.empty() ? "" : "/" + extra);
@@ -118,10 +224,27 @@ inline void add(const Plan& plan, const std::string& phase, const std::string& e
     }
 }
 
-/// Times body() on `threads` threads.
+/// Times body() on `threads` threads; the mean seconds of a call.
 template <class Body>
-void timed(benchmark::State& state, int threads, Body&& body) {
-  for (auto _ : state) run_with_threads(threads, body);
+double timed(benchmark::State& state, int threads, Body&& body) {
+  double seconds = 0;
+  int calls = 0;
+  for (auto _ : state) {
+    const auto start = std::chrono::steady_clock::now();
+    run_with_threads(threads, body);
+    seconds += seconds_since(start);
+    ++calls;
+  }
+  return seconds / std::max(calls, 1);
+}
+
+/// The same, for solvers: also counts matrix sweeps and the bytes per vertex that were needed on top.
+template <class Body>
+void timed_solver(benchmark::State& state, const Prepared& p, int threads, Body&& body) {
+  const double sweep = p.sweep_seconds(threads);
+  const Watermark memory;
+  state.counters["sweeps"] = timed(state, threads, body) / sweep;
+  state.counters["bytes/vertex"] = memory.bytes() / p.mesh.vertices();
 }
 
 inline std::vector<std::string> split(const std::string& list) {

@@ -11,7 +11,9 @@ using perf::Prepared;
 
 void global(benchmark::State& state, const Prepared& p, int threads, double detail) {
   Connection<double> c;
-  perf::timed(state, threads, [&] { c = globally_optimal(p.mesh, p.geometry, {.detail = detail}); });
+  const double seconds =
+      perf::timed(state, threads, [&] { c = globally_optimal(p.mesh, p.geometry, {.detail = detail}); });
+  state.counters["ns/triangle/its"] = 1e9 * seconds / p.mesh.faces() / std::max(c.report.iterations, 1);
   state.counters["its"] = c.report.iterations;
   state.counters["converged"] = c.report.converged ? 1 : 0;
   const auto force = [&](const Connection<double>& at, Index h) {

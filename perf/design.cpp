@@ -35,51 +35,64 @@ Stroke forty_points(const Prepared& p, Index start) {
 }
 
 void declare(const perf::Plan& plan) {
-  perf::add(plan, "design_prepare", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
-    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
-    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(make_designer(p, c).solve()); });
-  });
-  perf::add(plan, "design_target", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
-    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
-    Designer designer = make_designer(p, c);
-    const ControlId id = designer.add(SingularityTarget{.face = 7});
-    DesignResult result = designer.solve();
-    double angle = 0;
-    const auto turn = [&] {
-      designer.set(id, SingularityTarget{.face = 7, .orientation = angle += 0.01});
-      result = designer.solve();
-    };
-    turn();  // from here on the target has a solution of its own
-    perf::timed(state, threads, turn);
-    state.counters["residual"] = result.residual;
-  });
-  perf::add(plan, "design_move", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
-    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
-    Designer designer = make_designer(p, c);
-    const ControlId id = designer.add(SingularityTarget{.face = 7});
-    DesignResult result = designer.solve();
-    Index face = 0;
-    const auto move = [&] {
-      designer.set(id, SingularityTarget{.face = face = (face + 1) % p.mesh.faces()});
-      result = designer.solve();
-    };
-    move();
-    perf::timed(state, threads, move);
-    state.counters["residual"] = result.residual;
-  });
-  perf::add(plan, "design_stroke", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
-    const Connection<double> c = globally_optimal(p.mesh, p.geometry);
-    Designer designer = make_designer(p, c);
-    Index start = 3 * (p.mesh.faces() / 2);
-    const ControlId id = designer.add(forty_points(p, start));
-    DesignResult result = designer.solve();
-    perf::timed(state, threads, [&] {
-      designer.set(id, forty_points(p, start += 3));
-      result = designer.solve();
-    });
-    state.counters["residual"] = result.residual;
-    state.counters["rows"] = result.rows;
-  });
+  const perf::Limits direct{.bytes_per_face = 3000};
+  perf::add(
+      plan, "design_prepare", "n:4",
+      [](benchmark::State& state, const Prepared& p, int threads) {
+        const Connection<double>& c = p.connection();
+        perf::timed(state, threads, [&] { benchmark::DoNotOptimize(make_designer(p, c).solve()); });
+      },
+      direct);
+  perf::add(
+      plan, "design_target", "n:4",
+      [](benchmark::State& state, const Prepared& p, int threads) {
+        const Connection<double>& c = p.connection();
+        Designer designer = make_designer(p, c);
+        const ControlId id = designer.add(SingularityTarget{.face = 7});
+        DesignResult result = designer.solve();
+        double angle = 0;
+        const auto turn = [&] {
+          designer.set(id, SingularityTarget{.face = 7, .orientation = angle += 0.01});
+          result = designer.solve();
+        };
+        turn();  // from here on the target has a solution of its own
+        perf::timed(state, threads, turn);
+        state.counters["residual"] = result.residual;
+      },
+      direct);
+  perf::add(
+      plan, "design_move", "n:4",
+      [](benchmark::State& state, const Prepared& p, int threads) {
+        const Connection<double>& c = p.connection();
+        Designer designer = make_designer(p, c);
+        const ControlId id = designer.add(SingularityTarget{.face = 7});
+        DesignResult result = designer.solve();
+        Index face = 0;
+        const auto move = [&] {
+          designer.set(id, SingularityTarget{.face = face = (face + 1) % p.mesh.faces()});
+          result = designer.solve();
+        };
+        move();
+        perf::timed(state, threads, move);
+        state.counters["residual"] = result.residual;
+      },
+      direct);
+  perf::add(
+      plan, "design_stroke", "n:4",
+      [](benchmark::State& state, const Prepared& p, int threads) {
+        const Connection<double>& c = p.connection();
+        Designer designer = make_designer(p, c);
+        Index start = 3 * (p.mesh.faces() / 2);
+        const ControlId id = designer.add(forty_points(p, start));
+        DesignResult result = designer.solve();
+        perf::timed(state, threads, [&] {
+          designer.set(id, forty_points(p, start += 3));
+          result = designer.solve();
+        });
+        state.counters["residual"] = result.residual;
+        state.counters["rows"] = result.rows;
+      },
+      direct);
 }
 
 }  // namespace

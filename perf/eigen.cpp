@@ -2,7 +2,7 @@
 //
 // eigen.cpp: the smoothest field with S and M in hand by every eigensolver, and what tools do today, with the polar map
 // and a fixed number of inverse iterations: 50 over Eigen's simplicial L D L', 20 over CHOLMOD. Ratios come from one
-// run.
+// run. "eigen_tolerance" asks small meshes for more and more digits.
 #include "perf/common.h"
 
 namespace {
@@ -11,16 +11,31 @@ using namespace alcap;
 using perf::Prepared;
 using Scalar = Complex<double>;
 
-StiffnessMass<double> matrices(const Prepared& p, int n, bool polar_map) {
-  const Connection<double> c = polar_map ? polar(p.mesh, p.geometry) : globally_optimal(p.mesh, p.geometry);
-  return stiffness_and_mass(p.mesh, HermitianPattern(p.mesh), p.geometry, c, n);
+struct Method {
+  std::string name, method, solver = "auto";
+  perf::Limits limits = {};
+};
+
+// Factors of large meshes and hundreds of solves only waste time.
+const perf::Limits direct{.faces = 400'000, .bytes_per_face = 2000}, simplicial{.faces = 100'000};
+
+std::vector<Method> methods() {
+  std::vector<Method> all{{.name = "auto", .method = "auto"}};
+  for (const std::string& m : eigen_solvers()) {
+    if (m == "dense") continue;
+    all.push_back({.name = m, .method = m, .limits = m == "lobpcg" ? perf::Limits{} : direct});
+  }
+  all.push_back({.name = "lanczos+multigrid", .method = "lanczos", .solver = "multigrid", .limits = direct});
+  all.push_back({.name = "lanczos+eigen-ldlt", .method = "lanczos", .solver = "eigen-ldlt", .limits = simplicial});
+  return all;
 }
 
-void ours(benchmark::State& state, const Prepared& p, int threads, int n, const std::string& method) {
-  const auto [S, M] = matrices(p, n, false);
+void ours(benchmark::State& state, const Prepared& p, int threads, int n, const Method& method, double tolerance) {
+  const auto& [S, M] = p.matrices(n);
   EigenResult result;
-  perf::timed(state, threads, [&] {
-    result = smallest_eigenpair(S, M, p.geometry.total_area(), {.tolerance = 1e-6, .method = method});
+  perf::timed_solver(state, p, threads, [&] {
+    result = smallest_eigenpair(S, M, p.geometry.total_area(),
+                                {.tolerance = tolerance, .solver = method.solver, .method = method.method});
   });
   state.counters["its"] = result.report.iterations;
   state.counters["residual"] = perf::eigen_residual(S, M, result.u);
@@ -28,10 +43,10 @@ void ours(benchmark::State& state, const Prepared& p, int threads, int n, const 
 }
 
 void baseline(benchmark::State& state, const Prepared& p, int threads, int n, const std::string& backend, int count) {
-  const auto [S, M] = matrices(p, n, true);
+  const auto [S, M] = stiffness_and_mass(p.mesh, HermitianPattern(p.mesh), p.geometry, polar(p.mesh, p.geometry), n);
   const double shift = 1e-8 / p.geometry.total_area();
   MatrixX<Scalar> u(S.rows(), 1);
-  perf::timed(state, threads, [&] {
+  perf::timed_solver(state, p, threads, [&, &S = S, &M = M] {
     const SparseMatrix<Scalar> A = S + shift * M;
     const auto solver = make_linear_solver<Scalar>({.name = backend});
     solver->analyse(A);
@@ -49,27 +64,38 @@ void baseline(benchmark::State& state, const Prepared& p, int threads, int n, co
 }
 
 void declare(const perf::Plan& plan) {
-  constexpr std::int64_t direct_up_to = 400000, simplicial_up_to = 100000;
+  constexpr double tolerance = 1e-6;
   for (const int n : plan.degrees) {
     const std::string degree = "n:" + std::to_string(n);
-    std::vector<std::string> methods{"auto"};
-    for (const std::string& m : eigen_solvers())
-      if (m != "dense") methods.push_back(m);
-    for (const std::string& method : methods)
+    for (const Method& method : methods())
       perf::add(
-          plan, "eigen", degree + "/backend:" + method,
-          [=](benchmark::State& state, const Prepared& p, int threads) { ours(state, p, threads, n, method); },
-          method == "lanczos" ? direct_up_to : std::int64_t{1} << 40);
+          plan, "eigen", degree + "/backend:" + method.name,
+          [=](benchmark::State& state, const Prepared& p, int threads) {
+            ours(state, p, threads, n, method, tolerance);
+          },
+          method.limits);
     perf::add(
         plan, "eigen", degree + "/backend:polar+eigen-ldlt+50",
         [=](benchmark::State& state, const Prepared& p, int threads) {
           baseline(state, p, threads, n, "eigen-ldlt", 50);
         },
-        simplicial_up_to);
+        simplicial);
     perf::add(
         plan, "eigen", degree + "/backend:polar+cholmod+20",
         [=](benchmark::State& state, const Prepared& p, int threads) { baseline(state, p, threads, n, "cholmod", 20); },
-        direct_up_to);
+        direct);
+    for (const Method& method : methods())
+      for (const char* digits : {"1e-3", "1e-5", "1e-7", "1e-9"}) {
+        perf::Limits small = method.limits;
+        small.faces = std::min<std::int64_t>(small.faces, 100'000);
+        if (method.name != "auto")
+          perf::add(
+              plan, "eigen_tolerance", degree + "/backend:" + method.name + "/tolerance:" + digits,
+              [=](benchmark::State& state, const Prepared& p, int threads) {
+                ours(state, p, threads, n, method, std::atof(digits));
+              },
+              small);
+      }
   }
 }
 

@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// kernels.cpp: the loop over triangles by instruction set, precision and size of n K (series below, closed forms
-// above), and the machine's own limits: triad bandwidth and peak of multiply-adds.
-#include <thread>
+// kernels.cpp: the loop over triangles by instruction set (scalar, packs), precision and size of n K (Taylor series,
+// Chebyshev series, closed form), other kernels scalar against packs, and the machine's own limits: triad bandwidth and
+// peak of multiply-adds.
+#include <array>
+#include <cstring>
+#include <utility>
 
 #include "alcap/detail/triangle_entries.h"
+#include "kernels/edge_operators.h"
+#include "kernels/whitney.h"
 #include "perf/common.h"
+#include "perf/flops.h"
 
 namespace {
 
@@ -28,6 +34,46 @@ void entries(benchmark::State& state, Isa isa, double curvature) {
   state.counters["ns/triangle"] = benchmark::Counter(
       double(count) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   perf::bandwidth(state, double(count) * 16 * sizeof(T));
+  perf::flops(state, double(count) * perf::flops_of_entries(curvature));
+}
+
+// y = f(x) for arrays of x_size and y_size numbers per simplex, which lie apart, in lanes of T: a scalar or a pack.
+template <class T, int x_size, int y_size, class Kernel>
+void simplices(benchmark::State& state, Kernel&& kernel) {
+  using V = kernels::Value<T>;
+  constexpr int lanes = sizeof(T) / sizeof(V);
+  std::vector<V> x(x_size * count), y(y_size * count);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = V(0.5) + V(0.3) * static_cast<V>(std::sin(double(i)));
+  for (auto _ : state) {
+    for (std::int64_t i = 0; i < count; i += lanes) {
+      T in[x_size], out[y_size];
+      for (int k = 0; k < x_size; ++k) std::memcpy(&in[k], x.data() + k * count + i, sizeof(T));
+      kernel(in, out);
+      for (int k = 0; k < y_size; ++k) std::memcpy(y.data() + k * count + i, &out[k], sizeof(T));
+    }
+    benchmark::ClobberMemory();
+  }
+  state.counters["ns/triangle"] = benchmark::Counter(
+      double(count) * 1e-9, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+  perf::bandwidth(state, double(count) * (x_size + y_size) * sizeof(V));
+}
+
+template <class T>
+void other_kernels(const std::string& precision, const std::string& isa) {
+  benchmark::RegisterBenchmark(("whitney/" + precision + "/isa:" + isa).c_str(), [](benchmark::State& state) {
+    simplices<T, 6, 3>(state, [](const T* x, T* y) {
+      const T cot[3] = {x[0], x[1], x[2]}, tau[3] = {x[3], x[4], x[5]};
+      T out[3];
+      kernels::multiply(kernels::whitney_mass(cot), tau, out);
+      for (int k = 0; k < 3; ++k) y[k] = out[k];
+    });
+  });
+  benchmark::RegisterBenchmark(("edge_integral/" + precision + "/isa:" + isa).c_str(), [](benchmark::State& state) {
+    simplices<T, 1, 2>(state, [](const T* x, T* y) {
+      const auto psi = kernels::edge_weight_integral(x[0]);
+      y[0] = psi.re, y[1] = psi.im;
+    });
+  });
 }
 
 // a = b + s c over arrays far larger than the caches of one core.
@@ -43,51 +89,65 @@ void triad(benchmark::State& state, int threads) {
   perf::bandwidth(state, 24.0 * double(n));
 }
 
-// Multiply-adds on values that stay in registers.
+// Multiply-adds on values that stay in registers: 16 or 32 vectors hide their latency.
 #if defined(__x86_64__)
-__attribute__((target_clones("avx512f", "avx2", "default")))
+#define ALCAP_CLONES __attribute__((target_clones("avx512f", "arch=haswell", "default")))
+#else
+#define ALCAP_CLONES
 #endif
-double
-multiply_adds(int rounds) {
-  double v[64];
-  for (int k = 0; k < 64; ++k) v[k] = k;
+template <class T, int numbers>
+[[gnu::always_inline]] inline double multiply_add(int rounds) {
+  T v[numbers];
+  for (int k = 0; k < numbers; ++k) v[k] = T(k);
   for (int r = 0; r < rounds; ++r)
-    for (double& x : v) x = x * 0.999 + 0.001;
+    for (T& x : v) x = x * T(0.999) + T(0.001);
   double sum = 0;
-  for (const double x : v) sum += x;
+  for (const T x : v) sum += double(x);
   return sum;
 }
+ALCAP_CLONES double multiply_adds_double(int rounds) { return multiply_add<double, 64>(rounds); }
+ALCAP_CLONES double multiply_adds_float(int rounds) { return multiply_add<float, 128>(rounds); }
 
-void peak(benchmark::State& state, int threads) {
+void peak(benchmark::State& state, int threads, bool single) {
   constexpr int rounds = 100000, tasks = 16;
   std::vector<double> sums(tasks);
   perf::timed(state, threads, [&] {
     parallel_for(
-        tasks, [&](std::int64_t i) { sums[static_cast<std::size_t>(i)] = multiply_adds(rounds); }, 1);
+        tasks,
+        [&](std::int64_t i) {
+          sums[static_cast<std::size_t>(i)] = single ? multiply_adds_float(rounds) : multiply_adds_double(rounds);
+        },
+        1);
   });
   benchmark::DoNotOptimize(sums.data());
-  state.counters["GFlop/s"] =
-      benchmark::Counter(1e-9 * 2 * 64 * rounds * tasks, benchmark::Counter::kIsIterationInvariantRate);
+  perf::flops(state, 2.0 * (single ? 128 : 64) * rounds * tasks);
 }
 
 void declare(const perf::Plan& plan) {
+  const std::array<std::pair<const char*, double>, 3> forms{{{"series", 1e-3}, {"chebyshev", 1.0}, {"closed", 5.0}}};
   for (const Isa isa : detail::available_isas())
-    for (const bool series : {true, false}) {
-      const std::string end = std::string("/isa:") + detail::name(isa) + (series ? "/form:series" : "/form:closed");
-      const double curvature = series ? 1e-3 : 3.0;
+    for (const auto& [form, curvature] : forms) {
+      const std::string end = std::string("/isa:") + detail::name(isa) + "/form:" + form;
       benchmark::RegisterBenchmark(("kernels/float" + end).c_str(),
-                                   [=](benchmark::State& s) { entries<float>(s, isa, curvature); });
+                                   [isa, K = curvature](benchmark::State& s) { entries<float>(s, isa, K); });
       benchmark::RegisterBenchmark(("kernels/double" + end).c_str(),
-                                   [=](benchmark::State& s) { entries<double>(s, isa, curvature); });
+                                   [isa, K = curvature](benchmark::State& s) { entries<double>(s, isa, K); });
     }
+  other_kernels<float>("float", "scalar");
+  other_kernels<double>("double", "scalar");
+#if defined(__x86_64__)
+  other_kernels<kernels::Pack<float, 4, kernels::isa::Sse2>>("float", "sse2");
+  other_kernels<kernels::Pack<double, 2, kernels::isa::Sse2>>("double", "sse2");
+#endif
   for (const int threads : plan.threads) {
     const std::string end = "/threads:" + std::to_string(threads);
     benchmark::RegisterBenchmark(("machine/triad" + end).c_str(), [=](benchmark::State& s) {
       triad(s, threads);
     })->UseRealTime();
-    benchmark::RegisterBenchmark(("machine/peak" + end).c_str(), [=](benchmark::State& s) {
-      peak(s, threads);
-    })->UseRealTime();
+    for (const bool single : {false, true})
+      benchmark::RegisterBenchmark((single ? "machine/peak_float" + end : "machine/peak" + end).c_str(),
+                                   [=](benchmark::State& s) { peak(s, threads, single); })
+          ->UseRealTime();
   }
 }
 

@@ -8,7 +8,10 @@
 
 #include <chrono>
 #include <complex>
+#include <functional>
 #include <memory>
+#include <new>
+#include <string>
 
 #include "alcap/solve.h"
 
@@ -21,9 +24,11 @@ using SolverPtr = std::unique_ptr<LinearSolver<Scalar>>;
 enum class Ordering { automatic, amd, metis };
 
 template <class Scalar>
-[[nodiscard]] SolverPtr<Scalar> make_cholmod(Ordering ordering);
+[[nodiscard]] SolverPtr<Scalar> make_cholmod(Ordering ordering, const SolverOptions& options);
 template <class Scalar>
-[[nodiscard]] SolverPtr<Scalar> make_eigen_ldlt();
+[[nodiscard]] SolverPtr<Scalar> make_eigen_ldlt(const SolverOptions& options);
+template <class Scalar>
+[[nodiscard]] SolverPtr<Scalar> make_eigen_cg(const SolverOptions& options);
 
 template <class Scalar>
 [[nodiscard]] SolverPtr<Scalar> make_multigrid(const SolverOptions& options);
@@ -31,6 +36,21 @@ template <>
 [[nodiscard]] SolverPtr<double> make_multigrid<double>(const SolverOptions& options);
 template <>
 [[nodiscard]] SolverPtr<std::complex<double>> make_multigrid<std::complex<double>>(const SolverOptions& options);
+
+/// The hook of every loop that may take long: throws Cancelled when `cancel` is set and says so.
+inline void check_cancelled(const std::function<bool()>& cancel) {
+  if (cancel && cancel()) throw Cancelled();
+}
+
+/// Runs a step of a backend; running out of memory becomes a SolveError that names the step.
+template <class Step>
+void guarded(const std::string& name, Step&& step) {
+  try {
+    step();
+  } catch (const std::bad_alloc&) {
+    throw SolveError(name + ": out of memory");
+  }
+}
 
 /// A positive pivot this many rounding units below its diagonal entry carries no digit: the matrix is singular to
 /// working precision. A margin of 64 covers the rounding errors summed up in one pivot.

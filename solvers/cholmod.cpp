@@ -73,7 +73,8 @@ std::mutex& metis_lock() {
 template <class Scalar>
 class Cholmod final : public LinearSolver<Scalar> {
  public:
-  explicit Cholmod(Ordering ordering) : asked_(ordering), used_(ordering) {}
+  Cholmod(Ordering ordering, const SolverOptions& options)
+      : cancel_(options.cancel), asked_(ordering), used_(ordering) {}
   ~Cholmod() override { release(); }
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
@@ -81,18 +82,19 @@ class Cholmod final : public LinearSolver<Scalar> {
   void analyse(const SparseMatrix<Scalar>& A) override {
     const Timer timer;
     require_square(A);
+    check_cancelled(cancel_);
     release();
     rows_ = A.rows();
     nonzeros_ = A.nonZeros();
     used_ = asked_;
     if (asked_ == Ordering::automatic) used_ = rows_ > metis_above_rows ? Ordering::metis : Ordering::amd;
     common_.c.method[0].ordering = used_ == Ordering::metis ? CHOLMOD_METIS : CHOLMOD_AMD;
-    View view(A);
-    {
+    guarded("CHOLMOD analysis", [&] {
+      View view(A);
       std::unique_lock<std::mutex> lock(metis_lock(), std::defer_lock);
       if (used_ == Ordering::metis) lock.lock();
       L_ = cholmod_l_analyze(&view.a, &common_.c);
-    }
+    });
     common_.check("analysis");
     if (L_ == nullptr) throw SolveError("CHOLMOD analysis: failed");
     report_.analyse_seconds = timer.seconds();
@@ -104,16 +106,21 @@ class Cholmod final : public LinearSolver<Scalar> {
     if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
       throw SolveError("CHOLMOD: the matrix has another pattern than the one analysed");
     }
+    check_cancelled(cancel_);
     factorised_ = false;
-    View view(A);
-    cholmod_l_factorize(&view.a, L_, &common_.c);
+    guarded("CHOLMOD factorisation", [&] {
+      View view(A);
+      cholmod_l_factorize(&view.a, L_, &common_.c);
+    });
     common_.check("factorisation");
     if (common_.c.status == CHOLMOD_NOT_POSDEF || L_->minor < L_->n) {
       const std::size_t pivot = std::min(L_->minor, L_->n - 1);
       not_positive_definite(static_cast<const SuiteSparse_long*>(L_->Perm)[pivot], "not positive definite");
     }
-    check_pivots(A);
-    index_factor();
+    guarded("CHOLMOD factorisation", [&] {
+      check_pivots(A);
+      index_factor();
+    });
     factorised_ = true;
     report_.factor_nonzeros = static_cast<std::int64_t>(L_->xsize);
     report_.factorise_seconds = timer.seconds();
@@ -123,6 +130,7 @@ class Cholmod final : public LinearSolver<Scalar> {
     const Timer timer;
     if (!factorised_) throw SolveError("CHOLMOD: solve() before factorise()");
     require_sizes(B, X, rows_);
+    check_cancelled(cancel_);
     SolveReport report = report_;
     report.solver = name();
     report.converged = true;
@@ -299,6 +307,7 @@ class Cholmod final : public LinearSolver<Scalar> {
     if (L_ != nullptr) cholmod_l_free_factor(&L_, &common_.c);
   }
 
+  std::function<bool()> cancel_;
   Common common_;
   cholmod_factor* L_ = nullptr;
   Ordering asked_;
@@ -313,10 +322,10 @@ class Cholmod final : public LinearSolver<Scalar> {
 }  // namespace
 
 template <class Scalar>
-SolverPtr<Scalar> make_cholmod(Ordering ordering) {
-  return std::make_unique<Cholmod<Scalar>>(ordering);
+SolverPtr<Scalar> make_cholmod(Ordering ordering, const SolverOptions& options) {
+  return std::make_unique<Cholmod<Scalar>>(ordering, options);
 }
-template SolverPtr<double> make_cholmod<double>(Ordering);
-template SolverPtr<std::complex<double>> make_cholmod<std::complex<double>>(Ordering);
+template SolverPtr<double> make_cholmod<double>(Ordering, const SolverOptions&);
+template SolverPtr<std::complex<double>> make_cholmod<std::complex<double>>(Ordering, const SolverOptions&);
 
 }  // namespace alcap::detail

@@ -22,6 +22,7 @@ struct EigenBackend {
 const auto methods = std::to_array<EigenBackend>({
     {"lanczos", detail::smallest_lanczos},
     {"lobpcg", detail::smallest_lobpcg},
+    {"inverse-iteration", detail::smallest_inverse_iteration},
     {"dense", detail::smallest_dense},
 });
 
@@ -75,6 +76,7 @@ EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S, cons
   const detail::Timer timer;
   const detail::EigenProblem problem{S, M, area};
   validate(problem, options);
+  detail::check_cancelled(options.cancel);
   try {
     EigenResult result = choose(options, S.rows()).smallest(problem, options);
     result.report.seconds = timer.seconds();

@@ -4,7 +4,6 @@
 // dense blocks, so only for small problems and for embedders who build without CHOLMOD.
 #include <Eigen/SparseCholesky>
 #include <cstdint>
-#include <new>
 #include <string>
 
 #include "solvers/backends.h"
@@ -15,13 +14,16 @@ namespace {
 template <class Scalar>
 class EigenLdlt final : public LinearSolver<Scalar> {
  public:
+  explicit EigenLdlt(const SolverOptions& options) : cancel_(options.cancel) {}
+
   void analyse(const SparseMatrix<Scalar>& A) override {
     const Timer timer;
     require_square(A);
+    check_cancelled(cancel_);
     factorised_ = false;
     rows_ = A.rows();
     nonzeros_ = A.nonZeros();
-    guarded("analysis", [&] { ldlt_.analyzePattern(Wide(A)); });
+    guarded("Eigen LDLT analysis", [&] { ldlt_.analyzePattern(Wide(A)); });
     report_.analyse_seconds = timer.seconds();
   }
 
@@ -31,8 +33,9 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
       throw SolveError("Eigen LDLT: the matrix has another pattern than the one analysed");
     }
+    check_cancelled(cancel_);
     factorised_ = false;
-    guarded("factorisation", [&] { ldlt_.factorize(Wide(A)); });
+    guarded("Eigen LDLT factorisation", [&] { ldlt_.factorize(Wide(A)); });
     if (ldlt_.info() != Eigen::Success) throw SolveError("Eigen LDLT: the matrix is singular (zero pivot)");
     const auto pivots = ldlt_.vectorD();
     const VectorX<double> diagonal = A.diagonal().real();
@@ -54,7 +57,8 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     const Timer timer;
     if (!factorised_) throw SolveError("Eigen LDLT: solve() before factorise()");
     require_sizes(B, X, rows_);
-    X = ldlt_.solve(B);
+    check_cancelled(cancel_);
+    guarded("Eigen LDLT solve", [&] { X = ldlt_.solve(B); });
     SolveReport report = report_;
     report.solver = name();
     report.converged = true;
@@ -68,15 +72,7 @@ class EigenLdlt final : public LinearSolver<Scalar> {
   // 64-bit indices: the factor of a few million rows has more than 2^31 entries.
   using Wide = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, std::int64_t>;
 
-  template <class Step>
-  static void guarded(const char* name, Step&& step) {
-    try {
-      step();
-    } catch (const std::bad_alloc&) {
-      throw SolveError(std::string("Eigen LDLT ") + name + ": out of memory");
-    }
-  }
-
+  std::function<bool()> cancel_;
   Eigen::SimplicialLDLT<Wide, Eigen::Lower, Eigen::AMDOrdering<std::int64_t>> ldlt_;
   Eigen::Index rows_ = 0;
   Eigen::Index nonzeros_ = 0;
@@ -87,10 +83,10 @@ class EigenLdlt final : public LinearSolver<Scalar> {
 }  // namespace
 
 template <class Scalar>
-SolverPtr<Scalar> make_eigen_ldlt() {
-  return std::make_unique<EigenLdlt<Scalar>>();
+SolverPtr<Scalar> make_eigen_ldlt(const SolverOptions& options) {
+  return std::make_unique<EigenLdlt<Scalar>>(options);
 }
-template SolverPtr<double> make_eigen_ldlt<double>();
-template SolverPtr<std::complex<double>> make_eigen_ldlt<std::complex<double>>();
+template SolverPtr<double> make_eigen_ldlt<double>(const SolverOptions&);
+template SolverPtr<std::complex<double>> make_eigen_ldlt<std::complex<double>>(const SolverOptions&);
 
 }  // namespace alcap::detail

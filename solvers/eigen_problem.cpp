@@ -10,6 +10,16 @@
 #include "solvers/backends.h"
 
 namespace alcap::detail {
+namespace {
+
+/// Shift in units of -1/area: S - sigma M is then positive definite also when S is singular, and far smaller than the
+/// smallest eigenvalue of a curved surface (about 4 pi n / area), so that it costs no convergence.
+constexpr double relative_shift = 1e-3;
+/// When S is a little indefinite, the shift grows by this factor, this many times.
+constexpr double shift_growth = 100;
+constexpr int shift_attempts = 3;
+
+}  // namespace
 
 PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu) {
   Su.resize(u.size());
@@ -111,6 +121,27 @@ HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, doub
   const std::complex<double>* m = M.valuePtr();
   parallel_for(A.nonZeros(), [=](std::int64_t k) { a[k] -= sigma * m[k]; });
   return A;
+}
+
+ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options) {
+  // Iterative backends: a hundredth of the outer tolerance, but nothing below what double precision gives.
+  const double inner = std::max(1e-2 * options.tolerance, 1e-13);
+  ShiftInverted result;
+  result.solver =
+      make_linear_solver<std::complex<double>>({.name = options.solver, .tolerance = inner, .cancel = options.cancel});
+  if (problem.M.nonZeros() == problem.S.nonZeros()) result.solver->set_transport(problem.M);
+  result.sigma = -relative_shift / problem.area;
+  for (int attempt = 1;; ++attempt) {
+    result.A = shifted(problem.S, problem.M, result.sigma);
+    if (attempt == 1) result.solver->analyse(result.A);
+    try {
+      result.solver->factorise(result.A);
+      return result;
+    } catch (const SolveError&) {
+      if (attempt == shift_attempts) throw;
+    }
+    result.sigma *= shift_growth;
+  }
 }
 
 EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options) {

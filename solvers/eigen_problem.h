@@ -4,6 +4,7 @@
 // tiny problems. Internal to solvers/.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "alcap/solve.h"
@@ -50,8 +51,18 @@ void fix_phase(ComplexVector& u);
 /// S - sigma M.
 [[nodiscard]] HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma);
 
+/// A = S - sigma M, positive definite also when S is singular or a little indefinite, and its factorisation.
+struct ShiftInverted {
+  HermitianMatrix A;
+  double sigma = 0;
+  std::unique_ptr<LinearSolver<std::complex<double>>> solver;
+};
+/// By the linear backend that the options name. Throws SolveError when S is clearly indefinite.
+[[nodiscard]] ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options);
+
 [[nodiscard]] EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options);
+[[nodiscard]] EigenResult smallest_inverse_iteration(const EigenProblem& problem, const EigenOptions& options);
 
 }  // namespace alcap::detail

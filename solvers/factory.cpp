@@ -23,15 +23,17 @@ struct Backend {
 // One line per backend, the preferred one first: "auto" takes it.
 const auto backends = std::to_array<Backend>({
 #ifdef ALCAP_WITH_CHOLMOD
-    {"cholmod", [](const SolverOptions&) { return detail::make_cholmod<double>(detail::Ordering::automatic); },
-     [](const SolverOptions&) { return detail::make_cholmod<complex<double>>(detail::Ordering::automatic); }},
-    {"cholmod-amd", [](const SolverOptions&) { return detail::make_cholmod<double>(detail::Ordering::amd); },
-     [](const SolverOptions&) { return detail::make_cholmod<complex<double>>(detail::Ordering::amd); }},
-    {"cholmod-metis", [](const SolverOptions&) { return detail::make_cholmod<double>(detail::Ordering::metis); },
-     [](const SolverOptions&) { return detail::make_cholmod<complex<double>>(detail::Ordering::metis); }},
+    {"cholmod", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::automatic, o); },
+     [](const SolverOptions& o) { return detail::make_cholmod<complex<double>>(detail::Ordering::automatic, o); }},
+    {"cholmod-amd", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::amd, o); },
+     [](const SolverOptions& o) { return detail::make_cholmod<complex<double>>(detail::Ordering::amd, o); }},
+    {"cholmod-metis", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::metis, o); },
+     [](const SolverOptions& o) { return detail::make_cholmod<complex<double>>(detail::Ordering::metis, o); }},
 #endif
-    {"eigen-ldlt", [](const SolverOptions&) { return detail::make_eigen_ldlt<double>(); },
-     [](const SolverOptions&) { return detail::make_eigen_ldlt<complex<double>>(); }},
+    {"eigen-ldlt", [](const SolverOptions& o) { return detail::make_eigen_ldlt<double>(o); },
+     [](const SolverOptions& o) { return detail::make_eigen_ldlt<complex<double>>(o); }},
+    {"eigen-cg", [](const SolverOptions& o) { return detail::make_eigen_cg<double>(o); },
+     [](const SolverOptions& o) { return detail::make_eigen_cg<complex<double>>(o); }},
     {"multigrid", [](const SolverOptions& o) { return detail::make_multigrid<double>(o); },
      [](const SolverOptions& o) { return detail::make_multigrid<complex<double>>(o); }},
 });

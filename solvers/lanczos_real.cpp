@@ -78,6 +78,7 @@ class Lanczos {
     Index stop_next = options_.max_iterations;
     bool found = false;
     for (Index k = 1;; ++k) {
+      check_cancelled(options_.cancel);
       const Ritz ritz(basis.matrix_H().topLeftCorner(k, k));
       if (!found && estimate(basis, ritz) <= options_.tolerance) {
         found = accept(basis, ritz, result, solves);

@@ -26,12 +26,6 @@ namespace {
 using Eigen::Index;
 using std::complex;
 
-/// Shift in units of -1/area: S - sigma M is then positive definite also when S is singular, and far smaller than the
-/// smallest eigenvalue of a curved surface (about 4 pi n / area), so that it costs no convergence.
-constexpr double relative_shift = 1e-3;
-/// When S is a little indefinite, the shift grows by this factor, this many times.
-constexpr double shift_growth = 100;
-constexpr int shift_attempts = 3;
 /// The second eigenvalue is an information, not the result: its Ritz vector this good gives it to about 1e-3.
 constexpr double next_tolerance = 1e-3;
 constexpr int solves_for_next = 12;
@@ -84,12 +78,11 @@ using Recurrence = LanczosRecurrence<Operators>;
 class Lanczos {
  public:
   Lanczos(const EigenProblem& problem, const EigenOptions& options)
-      : problem_(problem), options_(options), rows_(problem.S.rows()) {}
+      : problem_(problem), options_(options), rows_(problem.S.rows()), inverse_(shift_invert(problem, options)) {}
 
   EigenResult run() {
     EigenResult result;
-    factorise();
-    const ShiftInvert op(problem_, *solver_);
+    const ShiftInvert op(problem_, *inverse_.solver);
     const Mass mass(problem_);
     const Index size = std::min<Index>(basis_size, 2 * rows_ - 1);
     Recurrence basis(Operators(op, mass), size);
@@ -101,6 +94,7 @@ class Lanczos {
     Index stop_next = options_.max_iterations;  // when to stop waiting for the second Ritz value
     bool found = false;
     for (Index k = 1;; ++k) {
+      check_cancelled(options_.cancel);
       const Eigen::SelfAdjointEigenSolver<MatrixX<double>> ritz(basis.matrix_H().topLeftCorner(k, k));
       if (!found && estimate(basis, ritz) <= options_.tolerance) {
         found = accept(basis, ritz, result.u, solves);
@@ -120,7 +114,7 @@ class Lanczos {
       basis.factorize_from(k, k + 1, solves);
     }
     result.report.iterations = static_cast<int>(solves);
-    result.report.solver = "shift-invert Lanczos, " + solver_->name();
+    result.report.solver = "shift-invert Lanczos, " + inverse_.solver->name();
     conclude(problem_, options_, result);
     return result;
   }
@@ -128,32 +122,13 @@ class Lanczos {
  private:
   using Ritz = Eigen::SelfAdjointEigenSolver<MatrixX<double>>;
 
-  void factorise() {
-    // Iterative backends: a hundredth of the outer tolerance, but nothing below what double precision gives.
-    const double inner = std::max(1e-2 * options_.tolerance, 1e-13);
-    solver_ = make_linear_solver<complex<double>>({.name = options_.solver, .tolerance = inner});
-    if (problem_.M.nonZeros() == problem_.S.nonZeros()) solver_->set_transport(problem_.M);
-    double sigma = -relative_shift / problem_.area;
-    for (int attempt = 1;; ++attempt) {
-      A_ = shifted(problem_.S, problem_.M, sigma);
-      if (attempt == 1) solver_->analyse(A_);
-      try {
-        solver_->factorise(A_);
-        return;
-      } catch (const SolveError&) {
-        if (attempt == shift_attempts) throw;
-      }
-      sigma *= shift_growth;
-    }
-  }
-
   /// Residual of the first Ritz pair, but for |M y|, for which the first guess is that of a uniform vector, and later
   /// what the last true residual taught.
   double estimate(const Recurrence& basis, const Ritz& ritz) {
     const Index k = ritz.eigenvalues().size();
     const double theta = ritz.eigenvalues()[k - 1];
     ComplexVector r(rows_);
-    hermitian_product(A_, reinterpret_cast<const complex<double>*>(basis.vector_f().data()), r.data());
+    hermitian_product(inverse_.A, reinterpret_cast<const complex<double>*>(basis.vector_f().data()), r.data());
     // Basis vectors have y^H M y = area / rows: see Mass. Eigenvalues are theta = 1 / (area (lambda - sigma)).
     const double uniform = problem_.area / static_cast<double>(rows_);
     const double scale = std::max(1 / theta, 1.0) / problem_.area;
@@ -187,12 +162,12 @@ class Lanczos {
   void polish(ComplexVector& u, Index& solves) const {
     MatrixX<complex<double>> x(rows_, 1);
     MatrixX<complex<double>> r = Mu_;
-    solver_->solve(r, x);
+    inverse_.solver->solve(r, x);
     ComplexVector Ax(rows_);
-    hermitian_product(A_, x.data(), Ax.data());
+    hermitian_product(inverse_.A, x.data(), Ax.data());
     r = Mu_ - Ax;
     u = x;
-    solver_->solve(r, x);
+    inverse_.solver->solve(r, x);
     u += x.col(0);
     solves += 2;
   }
@@ -227,8 +202,7 @@ class Lanczos {
   const EigenProblem& problem_;
   const EigenOptions& options_;
   Index rows_;
-  HermitianMatrix A_;  // S - sigma M
-  std::unique_ptr<LinearSolver<complex<double>>> solver_;
+  ShiftInverted inverse_;
   double correction_ = 1;
   ComplexVector Su_, Mu_;
 };

@@ -111,6 +111,7 @@ SolverOptions backend(const std::string& name) { return {.name = name, .toleranc
 std::vector<std::string> direct_solvers() {
   std::vector<std::string> names = linear_solvers();
   std::erase(names, "multigrid");
+  std::erase(names, "eigen-cg");
   return names;
 }
 
@@ -230,6 +231,51 @@ TEST_CASE("indefinite and singular matrices are refused, and the message says so
       CHECK_THROWS_AS(solver->solve(X, X), SolveError);
     }
   }
+}
+
+TEST_CASE("conjugate gradients: what they cannot do is said, and so is what they used instead") {
+  const Hermitian A = torus_grid(40, 40, 0.2, 3) + identity(1600, 1e-4);
+  const Dense B = random_dense(1600, 1, 4);
+  Dense X(1600, 1);
+  auto limited = make_linear_solver<Z>({.name = "eigen-cg", .tolerance = 1e-12, .max_iterations = 3});
+  limited->analyse(A);
+  limited->factorise(A);
+  const SolveReport stopped = limited->solve(B, X);
+  CHECK(!stopped.converged);
+  CHECK(stopped.iterations == 3);
+  CHECK(stopped.residual > 1e-12);
+  CHECK(stopped.residual == doctest::Approx(residual<Z>(A, X, B)).epsilon(1e-6));
+
+  // More couplings than the diagonal holds against: the incomplete factorisation raises it ten times and gives up.
+  Hermitian hard = Hermitian(5, 5);
+  for (Index i = 0; i < 5; ++i)
+    for (Index j = 0; j < 5; ++j) hard.insert(i, j) = i == j ? 1.0 : -1e4;
+  auto solver = make_linear_solver<Z>({.name = "eigen-cg"});
+  solver->analyse(hard);
+  solver->factorise(hard);
+  CHECK(solver->name() == "eigen-cg (diagonal)");
+  solver->analyse(A);
+  solver->factorise(A);
+  CHECK(solver->name() == "eigen-cg (incomplete Cholesky)");
+  const SolveReport report = solver->solve(B, X);
+  CHECK(report.converged);
+  CHECK(report.solver == solver->name());
+  CHECK(residual<Z>(A, X, B) <= 1e-10);
+
+  Hermitian negative = A;
+  negative.coeffRef(7, 7) = -1;
+  CHECK_THROWS_AS(solver->factorise(negative), SolveError);
+  CHECK_THROWS_AS(static_cast<void>(solver->solve(B, X)), SolveError);
+  // Positive diagonal, indefinite all the same.
+  const Hermitian indefinite = A - identity(1600, 2);
+  solver->factorise(indefinite);
+  bool refused = false;
+  try {
+    refused = !solver->solve(B, X).converged;
+  } catch (const SolveError&) {
+    refused = true;
+  }
+  CHECK(refused);
 }
 
 TEST_CASE("unknown names are refused with the list of known ones") {

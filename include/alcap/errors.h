@@ -90,4 +90,10 @@ class SolveError : public Error {
   using Error::Error;
 };
 
+/// A solve was stopped because its caller asked for it, see SolverOptions::cancel.
+class Cancelled : public Error {
+ public:
+  Cancelled() : Error("the solve was cancelled") {}
+};
+
 }  // namespace alcap

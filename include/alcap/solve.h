@@ -12,6 +12,7 @@
 
 #include <Eigen/SparseCore>
 #include <complex>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -43,6 +44,11 @@ struct SolverOptions {
   std::string name = "auto";
   double tolerance = 1e-10;   // iterative backends: relative residual
   int max_iterations = 1000;  // iterative backends
+  /// Asked before every analysis, factorisation and solve, and by iterative backends in every iteration; true ends the
+  /// call with Cancelled, and the solver can be used again. A factorisation that has begun is not interrupted. May be
+  /// called on several threads at once; what it throws reaches the caller. Example: a std::stop_token's
+  /// stop_requested().
+  std::function<bool()> cancel = {};
 };
 
 /// Half of a solve with a direct backend: H = L^-1 P B where A = P' L L' P. H' H = B' A^-1 B costs much less than
@@ -103,6 +109,8 @@ struct EigenOptions {
   std::string method = "auto";  // eigensolver; see eigen_solvers(). Tiny problems are solved densely
   int max_iterations = 1000;    // operator applications before giving up
   std::uint64_t seed = 1;       // of the start vector
+  /// As SolverOptions::cancel; asked before every step of a method and in the linear solves inside.
+  std::function<bool()> cancel = {};
 };
 
 /// What an eigensolve did.
@@ -128,7 +136,7 @@ struct EigenResult {
 /// Smallest eigenpair of S u = lambda M u, S Hermitian positive semidefinite, M Hermitian positive definite.
 /// `area` (the surface's) gives the scale of eigenvalues, so that lambda = 0 is judged sensibly. Within a multiple or
 /// nearly multiple eigenvalue any vector is right. Non-convergence is reported; throws SolveError when memory runs out,
-/// M is not positive definite or S is clearly indefinite, OptionError for bad options.
+/// M is not positive definite or S is clearly indefinite, OptionError for bad options, Cancelled when asked to stop.
 [[nodiscard]] EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S,
                                              const SparseMatrix<std::complex<double>>& M, double area,
                                              const EigenOptions& options = {});
