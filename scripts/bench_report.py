@@ -52,8 +52,8 @@ def result_of(program, benchmark):
             result["size"] = int(part)
         else:
             result["family"] = part
-    for key in ("faces", "vertices", "its", "residual", "GB/s", "GFlop/s", "bytes/vertex", "ns/triangle", "rows", "meshes/s",
-                "converged", "mesh s", "connection s", "assembly s", "eigen s", "analysis s"):
+    for key in ("faces", "vertices", "its", "residual", "GB/s", "GFlop/s", "bytes/vertex", "sweeps", "ns/triangle",
+                "ns/triangle/its", "rows", "meshes/s", "converged", "mesh s", "connection s", "assembly s", "eigen s", "analysis s"):
         if key in benchmark:
             result[key] = benchmark[key]
     if "label" in benchmark:
@@ -62,7 +62,8 @@ def result_of(program, benchmark):
 
 
 def key_of(result):
-    return tuple(result.get(k) for k in ("phase", "family", "size", "n", "backend", "detail", "isa", "form", "threads"))
+    return tuple(result.get(k) for k in ("phase", "family", "size", "n", "backend", "tolerance", "detail", "isa", "form",
+                                            "threads"))
 
 
 def medians(results):
