@@ -46,7 +46,7 @@ Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry, co
   c.rho.resize(mesh.edges());
   c.rho_e.resize(2 * std::int64_t{mesh.edges()});
   c.rho_t.resize(mesh.halfedges());
-  c.eps = VectorX<T>::Zero(mesh.edges());
+  c.eps.resize(mesh.edges());
   residuals.start.resize(mesh.halfedges());
   residuals.end.resize(mesh.halfedges());
 
@@ -77,7 +77,10 @@ Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry, co
     });
     if (boundary) c.rho_e[2 * std::int64_t{mesh.edge(last)} + 1] = direction + pi<T>;
   });
-  parallel_for(mesh.edges(), [&](std::int64_t e) { c.rho[e] = wrap(c.rho_e[2 * e] - c.rho_e[2 * e + 1]); });
+  parallel_for(mesh.edges(), [&](std::int64_t e) {
+    c.rho[e] = wrap(c.rho_e[2 * e] - c.rho_e[2 * e + 1]);
+    c.eps[e] = 0;
+  });
   close_faces(mesh, residuals, c);
   return c;
 }
@@ -148,7 +151,6 @@ template <class T>
 Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options) {
   detail::LiftedResiduals<T> residuals;
   Connection<T> c = levi_civita_start(mesh, geometry, PolarCenter::incenter, residuals);
-  detail::optimise_locally(mesh, c, residuals);
   detail::optimise_globally(mesh, geometry, options, false, c, residuals);
   c.kind = ConnectionKind::global;
   return c;

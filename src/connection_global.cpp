@@ -5,10 +5,13 @@
 // Iterative refinement: the gradient is taken in double, the correction it asks for is solved by conjugate gradients in
 // float (src/correction_system.h), which halves the memory traffic that bounds them; where float makes no headway
 // (extreme slivers) the next correction is solved in double.
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "alcap/connection.h"
 #include "alcap/parallel.h"
@@ -19,33 +22,56 @@
 namespace alcap {
 namespace {
 
-// tan of the angle opposite a halfedge, capped, times the length factor.
+// tan of the angle opposite a halfedge, capped, times the length factor: the weights of D_E. Computed where they are
+// needed, which costs less than to store and read them.
 template <class T>
-VectorX<T> halfedge_weights(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options) {
-  VectorX<T> weights(mesh.halfedges());
-  const T cap = static_cast<T>(options.tan_cap);
-  VectorX<T> mean;  // mean edge length per component
-  std::vector<Index> face_component;
-  if (options.length_factor == LengthFactor::mean_edge) {
+class HalfedgeWeights {
+ public:
+  HalfedgeWeights(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options)
+      : mesh_(mesh), geometry_(geometry), cap_(static_cast<T>(options.tan_cap)), factor_(options.length_factor) {
+    if (factor_ != LengthFactor::mean_edge) return;
     Topology topology = find_topology(mesh);
-    mean = VectorX<T>::Zero(static_cast<Eigen::Index>(topology.components.size()));
+    if (topology.components.size() == 1) {
+      const double sum = parallel_sum<double>(
+          mesh.edges(), [&](std::int64_t e) { return double(geometry.length(static_cast<Index>(e))); });
+      per_length_ = {static_cast<T>(mesh.edges() / sum)};
+      return;
+    }
+    std::vector<double> sum(topology.components.size());
     for (Index e = 0; e < mesh.edges(); ++e)
-      mean[topology.face_component[static_cast<std::size_t>(Mesh::face(mesh.halfedge(e)))]] += geometry.length(e);
-    for (Eigen::Index c = 0; c < mean.size(); ++c)
-      mean[c] /= static_cast<T>(topology.components[static_cast<std::size_t>(c)].edges);
-    face_component = std::move(topology.face_component);
+      sum[static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(Mesh::face(mesh.halfedge(e)))])] +=
+          double(geometry.length(e));
+    for (std::size_t c = 0; c < sum.size(); ++c)
+      per_length_.push_back(static_cast<T>(topology.components[c].edges / sum[c]));
+    face_component_ = std::move(topology.face_component);
   }
-  parallel_for(mesh.halfedges(), [&](std::int64_t i) {
-    const Index h = static_cast<Index>(i);
-    const T tangent = kernels::capped_tangent(geometry.cot(Mesh::prev(h)), cap);
-    T factor = 1;
-    if (options.length_factor == LengthFactor::metric) factor = geometry.length(mesh.edge(h));
-    if (options.length_factor == LengthFactor::mean_edge)
-      factor = geometry.length(mesh.edge(h)) / mean[face_component[static_cast<std::size_t>(Mesh::face(h))]];
-    weights[i] = tangent * factor;
-  });
-  return weights;
-}
+
+  T operator()(Index h) const {
+    const T tangent = kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_);
+    if (factor_ == LengthFactor::per_edge) return tangent;
+    const T length = geometry_.length(mesh_.edge(h));
+    if (factor_ == LengthFactor::metric) return tangent * length;
+    const Index c = face_component_.empty() ? 0 : face_component_[static_cast<std::size_t>(Mesh::face(h))];
+    return tangent * (length * per_length_[static_cast<std::size_t>(c)]);
+  }
+
+ private:
+  const Mesh& mesh_;
+  const Geometry<T>& geometry_;
+  T cap_;
+  LengthFactor factor_;
+  std::vector<T> per_length_;          // 1 over the mean edge length, per component
+  std::vector<Index> face_component_;  // empty where there is only one
+};
+
+// The same for the optimisation: times detail, and zero on the boundary, where rho_{v->e} is free and follows its face.
+template <class T>
+struct EnergyWeights {
+  const Mesh& mesh;
+  const HalfedgeWeights<T>& weights;
+  T detail;
+  T operator()(Index h) const { return mesh.boundary_halfedge(h) ? T(0) : detail * weights(h); }
+};
 
 void validate(const GlobalOptions& o) {
   const auto refuse = [](const char* field, double value, const char* rule) {
@@ -59,53 +85,68 @@ void validate(const GlobalOptions& o) {
 
 // The correction of rho_{v->e} at both ends of edge e that is best for the state r.
 template <class T>
-std::pair<T, T> edge_correction(const Mesh& mesh, const VectorX<T>& weights, const detail::LiftedResiduals<T>& r,
-                                Index e) {
+std::pair<T, T> edge_correction(const Mesh& mesh, const HalfedgeWeights<T>& weights,
+                                const detail::LiftedResiduals<T>& r, Index e) {
   const Index h = mesh.halfedge(e), g = mesh.twin(h);
   if (g == none) return {r.start[h], r.end[h]};
-  const T sum = weights[h] + weights[g];
-  return {(weights[h] * r.start[h] + weights[g] * r.end[g]) / sum,
-          (weights[h] * r.end[h] + weights[g] * r.start[g]) / sum};
+  const T here = weights(h), there = weights(g), sum = here + there;
+  return {(here * r.start[h] + there * r.end[g]) / sum, (here * r.end[h] + there * r.start[g]) / sum};
 }
 
-// The faces' pull on each edge, the right-hand side of the correction, at the lifted state r, tau plus u. `pull` holds
-// the parts of the two faces in between, x receives what the relaxed corners move by.
+// The lifted state, as the optimisation sees it; at rest, all of it is zero.
 template <class T>
-void edge_pull(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& weights, const VectorX<T>& tau,
-               const detail::LiftedResiduals<T>& r, const detail::EdgeValues<double>& u,
-               detail::EdgeValues<double>& pull, detail::EdgeValues<double>& out, VectorX<double>& x) {
-  parallel_for(mesh.faces(), [&](std::int64_t t) {
-    const Index h = static_cast<Index>(3 * t);
-    double cot[3], p[3], mean[3], difference[3], turn[3];
-    for (Index k = 0; k < 3; ++k) {
-      const Index e = mesh.edge(h + k);
-      const double sign = mesh.canonical(h + k) ? 1.0 : -1.0;
-      cot[k] = geometry.cot(h + k);
-      p[k] = weights[h + k];
-      mean[k] = (double(r.start[h + k]) + double(r.end[h + k])) / 2 - u(0, e);
-      difference[k] = double(r.end[h + k]) - double(r.start[h + k]) - sign * u(1, e);
-      turn[k] = double(tau[h + k]) + sign * u(2, e);
-    }
-    const auto moved = detail::relax(detail::face_coefficients(cot, p), mean, difference, turn);
-    for (Index k = 0; k < 3; ++k) {
-      pull(0, h + k) = mean[k];
-      pull(1, h + k) = difference[k];
-      pull(2, h + k) = -turn[k];
-      x[h + k] = moved[static_cast<std::size_t>(k)];
-    }
-  });
-  parallel_for(mesh.edges(), [&](std::int64_t e) {
-    const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    out.col(e) = pull.col(h);
-    if (g == none) return;
-    out(0, e) += pull(0, g);
-    out(1, e) -= pull(1, g);
-    out(2, e) -= pull(2, g);
-  });
-}
+struct FaceStates {
+  const Mesh& mesh;
+  const Geometry<T>& geometry;
+  EnergyWeights<T> weights;
+  const VectorX<T>& tau;
+  const detail::LiftedResiduals<T>& r;
+  bool at_rest = false;
+
+  // With the edges turned by u: parts = the pull of each face on its edges, x = what its relaxed corners move by.
+  void pull_parts(const detail::EdgeValues<double>& u, detail::EdgeValues<double>& parts, VectorX<double>& x) const {
+    using Lanes = detail::DoubleLanes;
+    constexpr int N = Lanes::size;
+    parallel_for((std::int64_t{mesh.faces()} + N - 1) / N, [&](std::int64_t group) {
+      double in[5][3][N];
+      for (int l = 0; l < N; ++l) {
+        const Index h = 3 * static_cast<Index>(std::min<std::int64_t>(group * N + l, mesh.faces() - 1));
+        for (Index k = 0; k < 3; ++k) {
+          const Index e = mesh.edge(h + k);
+          const double sign = mesh.canonical(h + k) ? 1.0 : -1.0;
+          const double start = at_rest ? 0 : double(r.start[h + k]), end = at_rest ? 0 : double(r.end[h + k]);
+          in[0][k][l] = double(geometry.cot(h + k));
+          in[1][k][l] = double(weights(h + k));
+          in[2][k][l] = (start + end) / 2 - u(0, e);
+          in[3][k][l] = end - start - sign * u(1, e);
+          in[4][k][l] = (at_rest ? 0 : double(tau[h + k])) + sign * u(2, e);
+        }
+      }
+      Lanes v[5][3];
+      for (int i = 0; i < 5; ++i)
+        for (int k = 0; k < 3; ++k) v[i][k] = Lanes::load(in[i][k]);
+      const auto moved = detail::relax(detail::face_coefficients(v[0], v[1]), v[2], v[3], v[4]);
+      for (int l = 0; l < N && group * N + l < mesh.faces(); ++l)
+        for (int k = 0; k < 3; ++k) {
+          const std::int64_t h = 3 * (group * N + l) + k;
+          parts(0, h) = v[2][k][l];
+          parts(1, h) = v[3][k][l];
+          parts(2, h) = -v[4][k][l];
+          x[h] = moved[static_cast<std::size_t>(k)][l];
+        }
+    });
+  }
+
+  // The faces' pull on each edge, the right-hand side of the correction, from the parts of its two faces.
+  [[nodiscard]] std::array<double, 3> pull(const detail::EdgeValues<double>& parts, Index e) const {
+    const Index h = mesh.halfedge(e), g = mesh.twin(h);
+    if (g == none) return {parts(0, h), parts(1, h), parts(2, h)};
+    return {parts(0, h) + parts(0, g), parts(1, h) - parts(1, g), parts(2, h) - parts(2, g)};
+  }
+};
 
 template <class T>
-void deviation(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& weights, Connection<T>& c) {
+void deviation(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWeights<T>& weights, Connection<T>& c) {
   c.report.D_T = parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
     const Index h = static_cast<Index>(3 * t);
     const T cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
@@ -117,8 +158,37 @@ void deviation(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& 
     const T to_face = c.edge_to_face(geometry, h);
     const T at_tail = wrap(c.rho_t[h] - c.rho_start(mesh, h) - to_face);
     const T at_tip = wrap(c.rho_t[Mesh::next(h)] - c.rho_end(mesh, h) - to_face);
-    return double(kernels::halfedge_energy(weights[h], at_tail, at_tip));
+    return double(kernels::halfedge_energy(weights(h), at_tail, at_tip));
   });
+}
+
+// tau, K and the deviations of a connection whose lifted residuals are r.
+template <class T>
+void close_faces(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWeights<T>& weights,
+                 const detail::LiftedResiduals<T>& r, Connection<T>& c) {
+  using Sums = std::array<double, 2>;
+  const Sums sums = parallel_reduce(
+      mesh.faces(), Sums{},
+      [&](std::int64_t begin, std::int64_t end) {
+        Sums sum{};
+        for (std::int64_t t = begin; t < end; ++t) {
+          const Index h = static_cast<Index>(3 * t);
+          const T cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
+          T tau[3];
+          for (Index k = 0; k < 3; ++k) {
+            c.tau[h + k] = tau[k] = c.eps_along(mesh, h + k) - r.start[h + k] + r.end[h + k];
+            sum[1] += double(kernels::halfedge_energy(weights(h + k), r.start[h + k], r.end[h + k]));
+          }
+          c.K[t] = -(tau[0] + tau[1] + tau[2]);
+          sum[0] += double(kernels::triangle_energy(cot, tau));
+        }
+        return sum;
+      },
+      [](const Sums& a, const Sums& b) {
+        return Sums{a[0] + b[0], a[1] + b[1]};
+      });
+  c.report.D_T = sums[0];
+  c.report.D_E = sums[1];
 }
 
 // With rho held (trivial connections) the problem is not local: turning all frames around slowly varying vertices costs
@@ -167,8 +237,11 @@ class HeldRho {
   // z = P r; returns r' z.
   template <class System>
   double precondition(System& system, const detail::EdgeValues<double>& r, detail::EdgeValues<double>& z) const {
-    (void)system.start(r);
-    system.preconditioned(z);
+    (void)system.start([&](Index e) { return std::array<double, 3>{r(0, e), r(1, e), r(2, e)}; });
+    parallel_for(mesh_.edges(), [&](std::int64_t e) {
+      const auto blocks = system.preconditioned(static_cast<Index>(e));
+      for (Eigen::Index k = 0; k < 3; ++k) z(k, e) = double(blocks[static_cast<std::size_t>(k)]);
+    });
     MatrixX<double> b = MatrixX<double>::Zero(mesh_.vertices(), 1), g(mesh_.vertices(), 1);
     for (Index e = 0; e < mesh_.edges(); ++e) {
       const Index h = mesh_.halfedge(e);
@@ -201,26 +274,36 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   // A float solve gains about five digits before its rounding shows; less than one digit means it is of no use here.
   constexpr double float_reduction = 1e-5, useful_reduction = 0.1;
 
-  const VectorX<T> weights = halfedge_weights(mesh, geometry, options);
+  const HalfedgeWeights<T> weights(mesh, geometry, options);
+  const EnergyWeights<T> p{mesh, weights, static_cast<T>(options.detail)};
+  const auto cot = [&](Index h) { return geometry.cot(h); };
+  const FaceStates<T> states{mesh, geometry, p, c.tau, r};
+  EdgeValues<double> u(3, mesh.edges());
+  VectorX<double> x(mesh.halfedges());
+  parallel_for(mesh.edges(), [&](std::int64_t e) { u.col(e).setZero(); });
   {
-    // On the boundary rho_{v->e} is free and follows its face.
-    VectorX<T> p(mesh.halfedges());
-    parallel_for(mesh.halfedges(), [&](std::int64_t h) {
-      p[h] = mesh.boundary_halfedge(static_cast<Index>(h)) ? T(0) : static_cast<T>(options.detail) * weights[h];
-    });
-    CorrectionSystem<float> system(mesh, geometry.cots(), p, fix_rho);
+    CorrectionSystem<float> system(mesh, cot, p, fix_rho);
     std::optional<CorrectionSystem<double>> full_system;  // only where float does not do
     std::optional<HeldRho> held;
     if (fix_rho) held.emplace(mesh, geometry);
 
     const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-    EdgeValues<double> u = EdgeValues<double>::Zero(3, mesh.edges()), rhs(3, mesh.edges()), pull(3, mesh.halfedges());
-    VectorX<double> x(mesh.halfedges());
+    EdgeValues<double> parts(3, mesh.halfedges());
+    const auto rhs = [&](Index e) {
+      std::array<double, 3> pull = states.pull(parts, e);
+      if (fix_rho) pull[2] = 0;
+      return pull;
+    };
+    const auto improve = [&](const auto& solved) {
+      parallel_for(mesh.edges(), [&](std::int64_t e) {
+        const auto gain = solved.solution(static_cast<Index>(e));
+        for (Eigen::Index k = 0; k < 3; ++k) u(k, e) += double(gain[static_cast<std::size_t>(k)]);
+      });
+    };
     double first = 0, last = 0;
     c.report.iterations = 0;
     for (int round = 0;; ++round) {
-      edge_pull(mesh, geometry, p, c.tau, r, u, pull, rhs, x);
-      if (fix_rho) rhs.row(2).setZero();
+      states.pull_parts(u, parts, x);
       // Measured through the preconditioner; float is enough for a norm.
       const double square = system.start(rhs);
       const double norm = std::sqrt(std::max(0.0, square));
@@ -232,50 +315,61 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       if (c.report.residual <= tolerance || left <= 0) break;
       if (round > 0 && norm > useful_reduction * last) {
         if (full_system) break;  // full precision has reached its own rounding
-        full_system.emplace(mesh, geometry.cots(), p, fix_rho);
+        full_system.emplace(mesh, cot, p, fix_rho);
       }
       last = norm;
       const double wanted = 0.5 * tolerance / c.report.residual;
       if (held) {
-        const VectorX<T> still = VectorX<T>::Zero(mesh.halfedges());
-        const LiftedResiduals<T> at_rest{still, still};
+        const VectorX<T> nothing;
+        const LiftedResiduals<T> nowhere;
+        const FaceStates<T> rest{mesh, geometry, p, nothing, nowhere, true};
         VectorX<double> moved(mesh.halfedges());
+        EdgeValues<double> gradient(3, mesh.edges());
+        parallel_for(mesh.edges(), [&](std::int64_t e) {
+          const auto pull = rhs(static_cast<Index>(e));
+          for (Eigen::Index k = 0; k < 3; ++k) gradient(k, e) = pull[static_cast<std::size_t>(k)];
+        });
         const auto product = [&](const EdgeValues<double>& direction) {
           EdgeValues<double> out(3, mesh.edges());
-          edge_pull(mesh, geometry, p, still, at_rest, direction, pull, out, moved);
-          out.row(2).setZero();
-          out = -out;
+          rest.pull_parts(direction, parts, moved);
+          parallel_for(mesh.edges(), [&](std::int64_t e) {
+            const auto pull = rest.pull(parts, static_cast<Index>(e));
+            out(0, e) = -pull[0];
+            out(1, e) = -pull[1];
+            out(2, e) = 0;
+          });
           return out;
         };
-        c.report.iterations += held->solve(system, rhs, std::max(1e-8, wanted), left, product, u);
+        c.report.iterations += held->solve(system, gradient, std::max(1e-8, wanted), left, product, u);
       } else if (full_system) {
         c.report.iterations += conjugate_gradients(*full_system, full_system->start(rhs), wanted, left);
-        full_system->add_solution(u);
+        improve(*full_system);
       } else {
         c.report.iterations += conjugate_gradients(system, square, std::max(float_reduction, wanted), left);
-        system.add_solution(u);
+        improve(system);
       }
     }
     c.report.converged = c.report.residual <= tolerance;
-    parallel_for(mesh.faces(), [&](std::int64_t t) {
-      const Index h = static_cast<Index>(3 * t);
-      for (Index k = 0; k < 3; ++k) {
-        const Index ahead = h + (k + 1) % 3, e = mesh.edge(h + k);
-        c.rho_t[h + k] += static_cast<T>(x[h + k]);
-        r.start[h + k] += static_cast<T>(x[h + k]);
-        r.end[h + k] += static_cast<T>(x[ahead]);
-        if (!fix_rho && mesh.canonical(h + k)) {
-          c.rho[e] += static_cast<T>(u(2, e));
-          c.eps[e] += static_cast<T>(u(2, e));
-        }
-      }
-    });
   }
   c.report.message.clear();
   if (!c.report.converged)
     c.report.message = "the global connection stopped after " + std::to_string(c.report.iterations) +
                        " iterations above its tolerance; raise max_iterations, tolerance or detail";
 
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    const Index h = static_cast<Index>(3 * t);
+    for (Index k = 0; k < 3; ++k) {
+      const Index e = mesh.edge(h + k);
+      const T here = static_cast<T>(x[h + k]), ahead = static_cast<T>(x[h + (k + 1) % 3]);
+      c.rho_t[h + k] += here;
+      r.start[h + k] += here;
+      r.end[h + k] += ahead;
+      if (!fix_rho && mesh.canonical(h + k)) {
+        c.rho[e] += static_cast<T>(u(2, e));
+        c.eps[e] += static_cast<T>(u(2, e));
+      }
+    }
+  });
   parallel_for(mesh.edges(), [&](std::int64_t e) {
     const auto [at_tail, at_tip] = edge_correction(mesh, weights, r, static_cast<Index>(e));
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
@@ -289,15 +383,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       r.start[g] -= at_tip;
     }
   });
-  parallel_for(mesh.faces(), [&](std::int64_t t) {
-    T sum = 0;
-    for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) {
-      c.tau[h] = c.eps_along(mesh, h) - r.start[h] + r.end[h];
-      sum += c.tau[h];
-    }
-    c.K[t] = -sum;
-  });
-  deviation(mesh, geometry, weights, c);
+  close_faces(mesh, geometry, weights, r, c);
 }
 
 template void optimise_globally(const Mesh&, const Geometry<float>&, const GlobalOptions&, bool, Connection<float>&,
@@ -310,7 +396,7 @@ template void optimise_globally(const Mesh&, const Geometry<double>&, const Glob
 template <class T>
 void measure_deviation(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options, Connection<T>& c) {
   validate(options);
-  deviation(mesh, geometry, halfedge_weights(mesh, geometry, options), c);
+  deviation(mesh, geometry, HalfedgeWeights<T>(mesh, geometry, options), c);
 }
 
 template void measure_deviation(const Mesh&, const Geometry<float>&, const GlobalOptions&, Connection<float>&);

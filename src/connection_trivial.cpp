@@ -313,7 +313,6 @@ Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::
 
   detail::LiftedResiduals<T> residuals;
   Connection<T> c = detail::build_connection<T>(mesh, geometry, curvature, alpha, PolarCenter::incenter, residuals);
-  detail::optimise_locally(mesh, c, residuals);
   detail::optimise_globally(mesh, geometry, options.global, true, c, residuals);
   c.kind = ConnectionKind::trivial;
   return c;
