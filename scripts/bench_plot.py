@@ -1,55 +1,72 @@
 # SPDX-License-Identifier: MIT
-"""Log-log plots as SVG, without any package."""
+"""Plots of benchmark results as SVG, without any package."""
 import html
 import math
 
-COLOURS = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf", "#8c564b", "#7f7f7f", "#bcbd22", "#e377c2"]
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 440, 70, 200, 36, 50
+COLOURS = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf", "#8c564b", "#7f7f7f", "#bcbd22", "#e377c2",
+           "#393b79", "#637939", "#8c6d31", "#843c39", "#7b4173", "#000000"]
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 800, 440, 70, 270, 36, 50
 
 
 def short(value):
     for size, suffix in ((1e9, "G"), (1e6, "M"), (1e3, "K")):
         if value >= size:
-            return f"{value / size:g}{suffix}"
+            return f"{value / size:.3g}{suffix}"
     return f"{value:g}"
 
 
-def log_plot(title, x_label, y_label, series, slopes=False, lines=True):
-    """series: name -> list of (x, y), all positive. With slopes, each name gets the exponent of its line."""
+def fitted_slope(values):
+    """Exponent of the power law through the points, by least squares of the logarithms."""
+    x = [math.log(v[0]) for v in values]
+    y = [math.log(v[1]) for v in values]
+    mean_x, mean_y = sum(x) / len(x), sum(y) / len(y)
+    spread = sum((a - mean_x) ** 2 for a in x)
+    return sum((a - mean_x) * (b - mean_y) for a, b in zip(x, y)) / spread if spread > 1e-9 else None
+
+
+def ticks(low, high):
+    """1, 2, 5 times powers of ten between two logarithms; powers of ten alone where the range is long."""
+    steps = (1, 2, 5) if high - low < 2.5 else (1,)
+    marks = [s * 10.0**d for d in range(math.floor(low) - 1, math.ceil(high) + 1) for s in steps]
+    return [m for m in marks if low - 1e-9 <= math.log10(m) <= high + 1e-9]
+
+
+def log_plot(title, x_label, y_label, series, slopes=False, dashed=()):
+    """series: name -> list of (x, y), all positive. With slopes, each name gets the fitted exponent. Names in `dashed` are
+    guides: no dots, no slope."""
     series = {k: sorted((x, y) for x, y in v if x > 0 and y > 0) for k, v in series.items()}
     series = {k: v for k, v in series.items() if v}
     points = [p for v in series.values() for p in v]
-    if not points:
+    if not any(k not in dashed for k in series):
         return None
     low_x, high_x = (f(math.log10(p[0]) for p in points) for f in (min, max))
     low_y, high_y = (f(math.log10(p[1]) for p in points) for f in (min, max))
     low_x, high_x = low_x - 0.1, high_x + 0.1
-    low_y, high_y = math.floor(low_y - 0.05), math.ceil(high_y + 0.05)
+    pad = 0.06 * max(high_y - low_y, 1)
+    low_y, high_y = low_y - pad, high_y + pad
     place_x = lambda x: LEFT + (math.log10(x) - low_x) / (high_x - low_x) * (WIDTH - LEFT - RIGHT)
     place_y = lambda y: HEIGHT - BOTTOM - (math.log10(y) - low_y) / (high_y - low_y) * (HEIGHT - TOP - BOTTOM)
     out = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12">',
            f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
            f'<text x="{LEFT}" y="20" font-size="15">{html.escape(title)}</text>']
-    for decade in range(math.floor(low_x), math.ceil(high_x) + 1):
-        for step in (1, 2, 5):
-            x = step * 10.0**decade
-            if low_x <= math.log10(x) <= high_x:
-                out.append(f'<line x1="{place_x(x):.1f}" x2="{place_x(x):.1f}" y1="{TOP}" y2="{HEIGHT - BOTTOM}" stroke="#eee"/>'
-                           f'<text x="{place_x(x):.1f}" y="{HEIGHT - BOTTOM + 16}" text-anchor="middle">{short(x)}</text>')
-    for decade in range(low_y, high_y + 1):
-        y = place_y(10.0**decade)
+    for x in ticks(low_x, high_x):
+        out.append(f'<line x1="{place_x(x):.1f}" x2="{place_x(x):.1f}" y1="{TOP}" y2="{HEIGHT - BOTTOM}" stroke="#eee"/>'
+                   f'<text x="{place_x(x):.1f}" y="{HEIGHT - BOTTOM + 16}" text-anchor="middle">{short(x)}</text>')
+    for value in ticks(low_y, high_y):
+        y = place_y(value)
         out.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="#ddd"/>'
-                   f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{10.0**decade:g}</text>')
+                   f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{short(value)}</text>')
     for k, (name, values) in enumerate(series.items()):
-        colour = COLOURS[k % len(COLOURS)]
+        colour = "#999" if name in dashed else COLOURS[k % len(COLOURS)]
         at = [(place_x(x), place_y(y)) for x, y in values]
-        if lines:
-            out.append('<polyline fill="none" stroke="%s" stroke-width="2" points="%s"/>' %
-                       (colour, " ".join(f"{x:.1f},{y:.1f}" for x, y in at)))
-        out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="{colour}"/>' for x, y in at]
+        dashes = ' stroke-dasharray="6 4"' if name in dashed else ""
+        out.append('<polyline fill="none" stroke="%s" stroke-width="2"%s points="%s"/>' %
+                   (colour, dashes, " ".join(f"{x:.1f},{y:.1f}" for x, y in at)))
+        if name not in dashed:
+            out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>' for x, y in at]
         label = name
-        if slopes and len(values) > 1 and values[0][0] < values[-1][0]:
-            slope = math.log(values[-1][1] / values[0][1]) / math.log(values[-1][0] / values[0][0])
+        slope = fitted_slope(values) if slopes and len(values) > 1 and name not in dashed else None
+        if slope is not None:
             label += f" (slope {slope:.2f})"
         y = TOP + 14 + 18 * k
         out.append(f'<rect x="{WIDTH - RIGHT + 10}" y="{y - 9}" width="10" height="10" fill="{colour}"/>'
@@ -60,65 +77,122 @@ def log_plot(title, x_label, y_label, series, slopes=False, lines=True):
     return "\n".join(out) + "\n"
 
 
+def grouped(rows, name, x, y):
+    """Series by name(row) of the points (x(row), y(row)) that exist."""
+    series = {}
+    for r in rows:
+        if x(r) and y(r):
+            series.setdefault(name(r), []).append((x(r), y(r)))
+    return series
+
+
+def strong_scaling(rows):
+    """Speedup over one thread by threads, on the largest mesh that ran on one thread and on more."""
+    series = {}
+    for phase in dict.fromkeys(r["phase"] for r in rows):
+        sizes = {}
+        for r in rows:
+            if r["phase"] == phase:
+                sizes.setdefault(r["size"], {})[r["threads"]] = r["seconds"]
+        both = [s for s, t in sizes.items() if 1 in t and len(t) > 1]
+        if both:
+            times = sizes[max(both)]
+            series[f"{phase}, {short(max(both))}"] = [(t, times[1] / times[t]) for t in times]
+    most = max((t for v in series.values() for t, _ in v), default=1)
+    return {**series, "ideal": [(1, 1), (most, most)]} if series else {}
+
+
+def weak_scaling(rows):
+    """Time of one thread over that of several with as much work each, by that work. Sizes between those that ran on one
+    thread are interpolated."""
+    series = {}
+    for phase in dict.fromkeys(r["phase"] for r in rows):
+        here = [r for r in rows if r["phase"] == phase]
+        one = sorted((math.log(r.get("faces", r["size"])), math.log(r["seconds"])) for r in here if r["threads"] == 1)
+        for r in here:
+            work = math.log(r.get("faces", r["size"]) / r["threads"])
+            for (x0, y0), (x1, y1) in zip(one, one[1:]):
+                if r["threads"] > 1 and x0 <= work <= x1:
+                    alone = math.exp(y0 + (y1 - y0) * (work - x0) / (x1 - x0))
+                    series.setdefault(f"{phase}, {r['threads']} threads", []).append((math.exp(work), alone / r["seconds"]))
+    ends = [x for v in series.values() for x, _ in v]
+    return {**series, "ideal": [(min(ends), 1), (max(ends), 1)]} if ends else {}
+
+
+def roofline(report, threads, rows):
+    """Kernels on one thread under the roofs of one thread, phases on all threads under theirs."""
+    best = lambda phase, key, t: max(
+        (r.get(key, 0) for r in report["results"] if r["phase"] == phase and r["threads"] == t), default=0)
+    series, roofs = {}, []
+    grid = [2.0 ** (k / 2) for k in range(-7, 13)]
+    for t in sorted({1, threads}):
+        triad, peak = best("triad", "GB/s", t), best("peak", "GFlop/s", t)
+        if triad and peak:
+            name = f"roof, {t} thread{'s' if t > 1 else ''} ({triad:.0f} GB/s, {peak:.0f} GFlop/s)"
+            series[name] = [(i, min(peak, i * triad)) for i in grid]
+            roofs.append(name)
+    largest = lambda phase: max((r["size"] for r in rows if r["phase"] == phase), default=None)
+    for r in rows:
+        if r["threads"] != threads or r["size"] != largest(r["phase"]):
+            continue
+        if r["phase"] in ("product", "assembly") and "GFlop/s" in r and r.get("GB/s"):
+            label = {"product": "S x, double", "assembly": "assembly"}[r["phase"]]
+            series[f"{label}, {short(r['size'])}"] = [(r["GFlop/s"] / r["GB/s"], r["GFlop/s"])]
+        # A relaxed face and its edges, counted from the code: 240 operations on 390 bytes.
+        if r["phase"] == "connection" and r.get("ns/triangle/its"):
+            series[f"connection, {short(r['size'])}"] = [(240 / 390, 240 / r["ns/triangle/its"])]
+    for r in report["results"]:
+        if r["phase"] == "kernels" and r.get("form") == "series" and r.get("family") == "double":
+            series[f"entries, {r['isa']}, 1 thread"] = [(r["GFlop/s"] / r["GB/s"], r["GFlop/s"])]
+    return series, roofs
+
+
 def plots(report):
     """Name -> SVG of everything the results allow."""
     results = [r for r in report["results"] if "size" in r]
     bench = [r for r in results if r["phase"] != "tool"]
     threads = max((r["threads"] for r in bench), default=1)
-    first = bench[0].get("family") if bench else None
+    first = "jittered" if any(r.get("family") == "jittered" for r in bench) else bench[0].get("family") if bench else None
     faces = lambda r: r.get("faces", r["size"])
+    seconds = lambda r: r["seconds"]
+    kept = ("halfedges", "topology", "geometry", "connection", "assembly", "eigen", "frames")
+    ours = [r for r in bench if r["phase"] in kept and r.get("family") == first and r.get("backend", "auto") == "auto" and
+            r.get("n", 4) == 4 and r.get("detail", 1) == 1]
+    times = [r for r in ours if r["threads"] == threads]
+    tool = [r for r in results if r["phase"] == "tool"]
+    eigen = [r for r in bench if r["phase"] == "eigen" and r["threads"] == threads and r["n"] == 4 and r["family"] == first]
+    linear = [r for r in bench if r["phase"] in ("linear_setup", "linear_solve") and r["threads"] == threads and
+              r["family"] == first]
 
-    def by(rows, name, x, y):
-        series = {}
-        for r in rows:
-            if x(r) and y(r):
-                series.setdefault(name(r), []).append((x(r), y(r)))
-        return series
+    def exact(phase):
+        """Of the largest mesh that was asked for several tolerances."""
+        found = [r for r in bench if r["phase"] == phase and r["threads"] == threads and r["family"] == first and
+                 r.get("n", 4) == 4]
+        return [r for r in found if r["size"] == max(f["size"] for f in found)]
 
-    kept = ("halfedges", "topology", "geometry", "connection", "assembly", "eigen", "field")
-    times = [r for r in bench if r["phase"] in kept and r["threads"] == threads and r.get("family") == first and
-             r.get("backend", "auto") == "auto" and r.get("n", 4) == 4 and r.get("detail", 1) == 1]
-    strong = {}
-    for r in bench:
-        if r["phase"] in kept and r.get("family") == first and r.get("backend", "auto") == "auto" and \
-                r["size"] == max(b["size"] for b in bench if b["phase"] == r["phase"]):
-            strong.setdefault(f"{r['phase']} n={r['n']}" if "n" in r else r["phase"], []).append((r["threads"], r["seconds"]))
-    # Weak scaling: work per thread held as near to constant as the sizes allow, as time per triangle and thread.
-    weak = by([r for r in bench if r["phase"] in kept and r.get("family") == first and r.get("n", 4) == 4 and
-               r.get("backend", "auto") == "auto" and r.get("detail", 1) == 1],
-              lambda r: f"{r['phase']}, {r['threads']} thr.", lambda r: faces(r) / r["threads"],
-              lambda r: 1e9 * r["seconds"] * r["threads"] / faces(r))
-    triad = max((r.get("GB/s", 0) for r in report["results"] if r["phase"] == "triad"), default=0)
-    peak = max((r.get("GFlop/s", 0) for r in report["results"] if r["phase"] == "peak"), default=0)
-    roof = {}
-    if triad and peak:
-        grid = [2.0**k for k in range(-4, 7)]
-        roof["roof: triad, peak"] = [(i, min(peak, i * triad)) for i in grid]
-        # Flops and bytes per unit of work, counted from the code: a relaxed face and its edges (CG step), a triangle's
-        # entries in double (about 150 flops for 16 numbers).
-        for r in bench:
-            if r["phase"] == "connection" and r.get("its") and r["threads"] == threads and r.get("family") == first \
-                    and r.get("detail") == 1:
-                work = faces(r) * r["its"]
-                roof[f"connection {short(r['size'])}"] = [(240 / 390, 240 * work / r["seconds"] / 1e9)]
-        for r in report["results"]:
-            if r["phase"] == "kernels" and r.get("form") == "series" and r.get("family") == "double":
-                roof[f"entries {r['isa']}"] = [(150 / 128, 150 / r["ns/triangle"])]
+    at = lambda rows: f", {short(rows[0]['size'])} triangles" if rows else ""
+    strong = strong_scaling(ours)
+    roof, roofs = roofline(report, threads, [r for r in bench if r.get("family") == first and r.get("detail", 1) == 1])
+    memory = {**grouped(tool, lambda r: "alcap field, whole process", faces, lambda r: r["peak_bytes"] / 1e6),
+              **grouped(eigen, lambda r: f"eigen {r['backend']}", faces, lambda r: r["bytes/vertex"] * r["vertices"] / 1e6)}
+    time_series = {**grouped(times, lambda r: r["phase"], faces, seconds),
+                   **grouped(tool, lambda r: "whole alcap field", faces, seconds)}
     drawn = {
-        "time": log_plot("Wall seconds by size, %d threads, n = 4" % threads, "triangles", "seconds",
-                         by(times, lambda r: r["phase"], faces, lambda r: r["seconds"]), slopes=True),
-        "strong_scaling": log_plot("Strong scaling, largest mesh", "threads", "seconds", strong, slopes=True),
-        "weak_scaling": log_plot("Thread time per triangle", "triangles per thread", "ns", weak),
-        "backends": log_plot("Eigensolvers: time against residual, n = 4", "seconds", "residual",
-                             by([r for r in bench if r["phase"] == "eigen" and r["threads"] == threads and r["n"] == 4],
-                                lambda r: f"{r['backend']} {short(r['size'])}", lambda r: r["seconds"], lambda r: r["residual"]),
-                             lines=False),
-        "linear": log_plot("Linear backends: setup and solve by size", "triangles", "seconds",
-                           by([r for r in bench if r["phase"].startswith("linear") and r["threads"] == threads],
-                              lambda r: f"{r['phase'][7:]} {r['backend']}", faces, lambda r: r["seconds"]), slopes=True),
-        "memory": log_plot("Peak memory of alcap field", "triangles", "MB",
-                           by([r for r in results if r["phase"] == "tool"], lambda r: "peak", faces,
-                              lambda r: r["peak_bytes"] / 1e6), slopes=True),
-        "roofline": log_plot("Roofline", "flops per byte", "GFlop/s", roof),
+        "time": log_plot(f"Time by size, {threads} threads, n = 4", "triangles", "wall seconds", time_series, slopes=True),
+        "strong_scaling": log_plot("Strong scaling", "threads", "speedup over one thread", strong, dashed=("ideal",)),
+        "weak_scaling": log_plot("Weak scaling", "triangles per thread", "time of one thread / time of all",
+                                 weak_scaling(ours), dashed=("ideal",)),
+        "backends": log_plot("Eigensolvers by tolerance, n = 4" + at(exact("eigen_tolerance")), "wall seconds", "residual, recomputed",
+                             grouped(exact("eigen_tolerance"), lambda r: r["backend"], seconds, lambda r: r["residual"])),
+        "linear_backends": log_plot("Linear backends by tolerance, with setup" + at(exact("linear_tolerance")), "wall seconds",
+                                    "residual, recomputed",
+                                    grouped(exact("linear_tolerance"), lambda r: r["backend"], seconds,
+                                            lambda r: r["residual"])),
+        "eigen": log_plot(f"Eigensolvers by size, n = 4, {threads} threads", "triangles", "wall seconds",
+                          grouped(eigen, lambda r: r["backend"], faces, seconds), slopes=True),
+        "linear": log_plot(f"Linear backends by size, {threads} threads", "triangles", "wall seconds",
+                           grouped(linear, lambda r: f"{r['phase'][7:]} {r['backend']}", faces, seconds), slopes=True),
+        "memory": log_plot("Memory by size", "triangles", "MB", memory, slopes=True),
+        "roofline": log_plot("Roofline", "operations per byte", "GFlop/s", roof, dashed=roofs),
     }
     return {name: svg for name, svg in drawn.items() if svg}

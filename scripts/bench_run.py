@@ -10,7 +10,6 @@ import json
 import os
 import pathlib
 import platform
-import statistics
 import subprocess
 import tempfile
 import time
@@ -18,41 +17,53 @@ import time
 import bench_report
 
 LIMIT = {"quick": 170.0, "full": 6 * 3600.0}
-# A prediction scales with the size; solvers that are not linear get this much more.
+# A prediction scales with the size; what is not linear gets this much more.
 MARGIN = 1.3
+# Seconds at 50,000 triangles of what has not run yet.
+GUESS = {"kernels": 5, "tool": 1, "eigen": 12, "connection": 1, "assembly": 2, "pipeline": 5, "linear": 12, "design": 4}
 # Bytes per triangle that the tool needs: beyond what is free a size is left out.
 TOOL_BYTES = 1000
 
 
 def quick_units(sizes, most, one_and_most):
-    """What the table of targets needs first, then the rest where it is short."""
+    """Once what the table of targets needs, at every size; then everything else where it is short; then the targets
+    again, for medians."""
     small = [s for s in sizes if s <= 100000] or sizes[:1]
     middle = [s for s in sizes if s <= 400000] or sizes[:1]
+
+    def targets(size, repetitions):
+        return [("eigen", size, most, ["--benchmark_filter=^eigen/.*backend:auto/"], repetitions),
+                ("connection", size, most, ["--benchmark_filter=detail:1/"], repetitions),
+                ("tool", size, most, [], repetitions)]
+
     units = [("kernels", small[0], one_and_most, [], 1)]
     for size in sizes:
-        units += [
-            ("eigen", size, most, ["--benchmark_filter=^eigen/.*backend:auto/"], 5 if size <= 400000 else 1),
-            ("connection", size, most, ["--benchmark_filter=detail:1/"], 5 if size <= 400000 else 1),
-            ("tool", size, most, [], 3 if size <= 400000 else 1),
-        ]
-    for size in middle:
-        units.append(("assembly", size, one_and_most, [], 1))
-        units.append(("pipeline", size, one_and_most, ["--benchmark_filter=^(read|half|topo|geom|frames)|field/.*n:4"], 1))
+        units += targets(size, 1)
     for size in small:
         units += [
-            ("eigen", size, most, ["--benchmark_filter=backend:(l|i|p)"], 1),
+            ("eigen", size, most, ["--benchmark_filter=^eigen/.*backend:(lan|lob|inv|pol)"], 1),
+            ("eigen", size, most, ["--degrees=4", "--benchmark_filter=^eigen_tol"], 1),
+            ("linear", size, most, [], 1),
             ("pipeline", size, one_and_most, ["--benchmark_filter=^batch"], 1),
             ("design", size, most, [], 1),
-            ("connection", size, one_and_most, ["--benchmark_filter=polar|detail:"], 1),
         ]
-    units += [("linear", size, most, [], 1) for size in middle]
+    phases = "^(read|half|topo|geom|frames)"
+    for size in middle:
+        units += [
+            ("assembly", size, one_and_most, [], 1),
+            ("pipeline", size, one_and_most, ["--benchmark_filter=" + phases], 1),
+            ("connection", size, one_and_most[:1], ["--benchmark_filter=detail:1/"], 1),
+            ("eigen", size, one_and_most[:1], ["--degrees=4", "--benchmark_filter=^eigen/.*backend:auto/"], 1),
+        ]
+    for size in small + middle:
+        units += targets(size, 2)
+    for size in middle:
+        units.append(("linear", size, most, ["--benchmark_filter=product|(cholmod|multigrid)/"], 1))
     for size in sizes:
         if size not in middle:
-            units.append(("assembly", size, one_and_most, [], 1))
-            units.append(("pipeline", size, most, ["--benchmark_filter=^(read|half|topo|geom|frames)"], 1))
-            units.append(("linear", size, most, ["--benchmark_filter=product|multigrid"], 1))
-    for size in middle:
-        units.append(("eigen", size, [1], ["--degrees=4", "--benchmark_filter=^eigen/.*backend:auto/"], 1))
+            units += [("assembly", size, one_and_most, [], 1),
+                      ("pipeline", size, one_and_most, ["--benchmark_filter=" + phases], 1),
+                      ("linear", size, most, ["--benchmark_filter=product|multigrid"], 1)]
     return units
 
 
@@ -85,7 +96,11 @@ def run_program(build, name, size, threads, families, flags):
             "--benchmark_out_format=json",
             *flags,
         ]
-        status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
+        try:
+            status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
+        except OSError as error:
+            print(f"   {name}: {error}")
+            return []
         if status != 0:
             print(f"   {name} at {size:,} ended with {status}: what it had finished is kept")
         text = pathlib.Path(out.name).read_text()
@@ -112,7 +127,7 @@ def salvage(text):
 
 
 def run_tool(build, faces, repeats):
-    """`alcap field` from PLY to files, n = 4: median seconds, CPU seconds and the largest resident set."""
+    """`alcap field` from PLY to files, n = 4: seconds, CPU seconds and the largest resident set of each run."""
     if faces * TOOL_BYTES > memory_available():
         print(f"   tool at {faces:,}: not enough memory")
         return []
@@ -123,7 +138,7 @@ def run_tool(build, faces, repeats):
         mesh = pathlib.Path(folder) / "mesh.ply"
         kind = f"torus:{2 * across},{across}" if level is None else f"scan:{level},0.1"
         subprocess.run([tool, "make", kind, "-o", mesh, "--quiet"], check=True)
-        walls, cpus, peaks = [], [], []
+        runs = []
         for k in range(repeats):
             start = time.monotonic()
             out = pathlib.Path(folder) / f"out{k}"
@@ -134,15 +149,13 @@ def run_tool(build, faces, repeats):
             if child.returncode not in (0, 5):
                 print(f"   tool at {faces:,} ended with {child.returncode}")
                 return []
-            walls.append(time.monotonic() - start)
-            cpus.append(usage.ru_utime + usage.ru_stime)
-            peaks.append(usage.ru_maxrss * 1024)
-        report = json.loads((pathlib.Path(folder) / "out0" / "report.json").read_text())
-    return [{
-        "program": "tool", "phase": "tool", "family": "scan" if level is not None else "torus", "size": faces,
-        "faces": report["mesh"]["faces"], "n": 4, "threads": os.cpu_count(), "seconds": statistics.median(walls),
-        "cpu_seconds": statistics.median(cpus), "peak_bytes": max(peaks), "all_seconds": walls,
-    }]
+            runs.append({
+                "program": "tool", "phase": "tool", "family": "scan" if level is not None else "torus", "size": faces,
+                "n": 4, "threads": os.cpu_count(), "seconds": time.monotonic() - start,
+                "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_bytes": usage.ru_maxrss * 1024,
+                "faces": json.loads((out / "report.json").read_text())["mesh"]["faces"],
+            })
+    return runs
 
 
 def main():
@@ -169,9 +182,12 @@ def main():
     started = time.monotonic()
     results, left_out, took = [], [], {}
     for name, size, unit_threads, flags, repetitions in units:
-        what = (name, *flags)
-        before = took.get(what)
-        predicted = MARGIN * before[1] * size / before[0] * repetitions / before[2] if before else 0.0
+        what = (name, len(unit_threads), *flags)
+        before = took.get(what, {})
+        # From the nearest size that has run, the same one if it has.
+        nearest = min(before, key=lambda ran: abs(ran - size), default=None)
+        predicted = (MARGIN * before[nearest] * size / nearest * repetitions if before
+                     else GUESS[name] * size / 50000 if quick else 0.0)
         elapsed = time.monotonic() - started
         if elapsed + predicted > LIMIT[arguments.mode]:
             left_out.append({"program": name, "size": size, "filter": " ".join(flags), "predicted_seconds": predicted})
@@ -184,7 +200,7 @@ def main():
             extra = [f"--benchmark_repetitions={repetitions}", f"--benchmark_min_time={'0.01' if quick else '0.1'}"]
             found = run_program(arguments.build, name, size, unit_threads, families, extra + flags)
         results += found
-        took[what] = (size, time.monotonic() - started - elapsed, repetitions)
+        took.setdefault(what, {})[size] = (time.monotonic() - started - elapsed) / repetitions
 
     report = {
         "machine": {"cores": cores, "processor": bench_report.processor(), "system": platform.platform()},
