@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: MIT
 #
-# The loop over triangles, one copy per instruction set; src/simd/triangle_entries.cpp picks one at run time.
+# The loops over triangles and angles, one copy per instruction set; src/simd/triangle_entries.cpp and angles.cpp pick
+# one at run time.
 target_sources(alcap PRIVATE
+  src/simd/angles.cpp
   src/simd/entries_avx2.cpp
   src/simd/entries_avx512.cpp
   src/simd/entries_scalar.cpp
   src/simd/entries_sse2.cpp
+  src/simd/isa.cpp
   src/simd/triangle_entries.cpp
 )
 # No fused multiply-add: every copy then does the same roundings, so that all machines get the same bits. The loop is

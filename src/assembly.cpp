@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "alcap/parallel.h"
 
@@ -17,41 +18,43 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
                       "at most 2^31 - 1 fit 32-bit sparse indices");
 
   // A vertex's column holds itself and its neighbours: one per leaving halfedge, one more at a boundary.
-  outer_.assign(static_cast<std::size_t>(vertices) + 1, 0);
+  outer_.resize(std::int64_t{vertices} + 1);
+  outer_[vertices] = 0;
   parallel_for(vertices, [&](std::int64_t v) {
     Index entries = 1 + (mesh.boundary_vertex(static_cast<Index>(v)) ? 1 : 0);
     mesh.for_each_outgoing(static_cast<Index>(v), [&](Index) { ++entries; });
-    outer_[static_cast<std::size_t>(v)] = entries;
+    outer_[v] = entries;
   });
   parallel_exclusive_scan(outer_.data(), std::int64_t{vertices} + 1);
 
-  inner_.resize(static_cast<std::size_t>(nonzeros));
-  diagonal_.resize(static_cast<std::size_t>(vertices));
-  upper_.resize(static_cast<std::size_t>(mesh.edges()));
-  lower_.resize(static_cast<std::size_t>(mesh.edges()));
-  parallel_for(vertices, [&](std::int64_t i) {
-    const Index v = static_cast<Index>(i);
-    const Index begin = outer_[static_cast<std::size_t>(v)], end = outer_[static_cast<std::size_t>(v) + 1];
-    Index k = begin;
-    inner_[static_cast<std::size_t>(k++)] = v;
-    Index last = none;
-    mesh.for_each_outgoing(v, [&](Index h) {
-      inner_[static_cast<std::size_t>(k++)] = mesh.tip(h);
-      last = h;
-    });
-    if (mesh.boundary_vertex(v)) inner_[static_cast<std::size_t>(k++)] = mesh.tail(Mesh::prev(last));
-    const auto first = inner_.begin() + begin, stop = inner_.begin() + end;
-    std::sort(first, stop);
-    const auto slot = [&](Index row) { return begin + static_cast<Index>(std::lower_bound(first, stop, row) - first); };
-    diagonal_[static_cast<std::size_t>(v)] = slot(v);
-    // Column v holds (i, v) for canonical halfedges i -> v and (j, v), the mirror, for canonical v -> j.
-    mesh.for_each_outgoing(v, [&](Index h) {
-      const auto e = static_cast<std::size_t>(mesh.edge(h));
-      (mesh.canonical(h) ? lower_ : upper_)[e] = slot(mesh.tip(h));
-    });
-    if (mesh.boundary_vertex(v)) {
-      const Index p = Mesh::prev(last);
-      upper_[static_cast<std::size_t>(mesh.edge(p))] = slot(mesh.tail(p));
+  inner_.resize(nonzeros);
+  diagonal_.resize(vertices);
+  upper_.resize(mesh.edges());
+  lower_.resize(mesh.edges());
+  struct Entry {
+    Index row;
+    Index halfedge;  // between the row's vertex and the column's; `none` on the diagonal
+  };
+  parallel_ranges(vertices, sequential_below, [&](std::int64_t first, std::int64_t stop) {
+    std::vector<Entry> column;
+    for (auto v = static_cast<Index>(first); v < stop; ++v) {
+      column.assign(1, {v, none});
+      Index last = none;
+      mesh.for_each_outgoing(v, [&](Index h) {
+        column.push_back({mesh.tip(h), h});
+        last = h;
+      });
+      if (mesh.boundary_vertex(v)) column.push_back({mesh.tail(Mesh::prev(last)), Mesh::prev(last)});
+      std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
+      Index slot = outer_[v];
+      for (const auto& [row, h] : column) {
+        inner_[slot] = row;
+        if (h == none)
+          diagonal_[v] = slot;
+        else  // column v holds (i, v) for canonical halfedges i -> v and (j, v), the mirror, for canonical v -> j
+          ((mesh.tail(h) == v) == mesh.canonical(h) ? lower_ : upper_)[mesh.edge(h)] = slot;
+        ++slot;
+      }
     }
   });
 }
@@ -60,8 +63,8 @@ template <class T>
 SparseMatrix<Complex<T>> HermitianPattern::matrix() const {
   SparseMatrix<Complex<T>> A(rows(), rows());
   A.resizeNonZeros(nonzeros());
-  const auto copy = [](const std::vector<Index>& from, Index* to) {
-    parallel_ranges(static_cast<std::int64_t>(from.size()), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
+  const auto copy = [](const VectorX<Index>& from, Index* to) {
+    parallel_ranges(from.size(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
       std::copy(from.data() + begin, from.data() + end, to + begin);
     });
   };
@@ -72,6 +75,9 @@ SparseMatrix<Complex<T>> HermitianPattern::matrix() const {
 
 template <class T>
 SparseMatrix<T> real_view(const SparseMatrix<Complex<T>>& A) {
+  if (A.nonZeros() > std::numeric_limits<Index>::max() / 4)
+    throw OptionError("A", std::to_string(A.nonZeros()) + " entries",
+                      "its real view has four times as many, and at most 2^31 - 1 fit 32-bit sparse indices");
   SparseMatrix<T> R(2 * A.rows(), 2 * A.cols());
   R.resizeNonZeros(4 * A.nonZeros());
   const Index columns = static_cast<Index>(A.cols());

@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <string>
+#include <utility>
 
 #include "alcap/energies.h"
 #include "alcap/parallel.h"
@@ -20,22 +21,28 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
                                 const Connection<double>& connection, std::shared_ptr<const Frames<double>> frames,
                                 const SmoothestOptions& options) {
+  return smoothest_field(mesh, geometry, connection, find_topology(mesh), std::move(frames), options);
+}
+
+SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
+                                const Connection<double>& connection, const Topology& topology,
+                                std::shared_ptr<const Frames<double>> frames, const SmoothestOptions& options) {
   if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
 
   const auto start = std::chrono::steady_clock::now();
   SmoothestResult result;
   result.field.n = options.n;
   result.field.frames = std::move(frames);
-  StiffnessMass<double> matrices;
-  {
+  // Made in place: Eigen's sparse matrices copy when they are moved.
+  const StiffnessMass<double> matrices = [&] {
     const HermitianPattern pattern(mesh);
-    matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
-    apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, matrices.S);
-  }
+    StiffnessMass<double> m = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
+    apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, m.S);
+    return m;
+  }();
   result.assembly_seconds = seconds_since(start);
 
   const auto solve_start = std::chrono::steady_clock::now();
-  const Topology topology = find_topology(mesh);
   const std::vector<double> areas = detail::areas_of_components(geometry, topology);
   if (topology.components.size() == 1 && mesh.referenced_vertices() == mesh.vertices()) {
     EigenResult eigen = smallest_eigenpair(matrices.S, matrices.M, areas[0], options.eigen);

@@ -105,15 +105,15 @@ struct Designer::State {
     validate();
     tell("assembly");
     StiffnessMass<double> matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
-    M = std::move(matrices.M);
-    S2 = std::move(matrices.S);
+    M.swap(matrices.M);  // sparse matrices copy when they are moved
+    S2.swap(matrices.S);
     apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, S2);
     check_t();
     S2 *= C(2);
     for (Index v = 0; v < mesh.vertices(); ++v)
       if (!mesh.referenced(v)) S2.valuePtr()[pattern.diagonal(v)] = 1;  // stays zero
     operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
-    frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, V_, connection));
+    frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, V_, geometry, connection));
     guidance = ComplexVectorX<double>::Zero(mesh.vertices());
     solver = make_linear_solver<C>({.name = options.solver});
     solver->set_transport(M);

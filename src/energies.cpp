@@ -4,9 +4,12 @@
 // triangle_entries.h), then a gather per edge and per vertex into the slots of the pattern.
 #include "alcap/energies.h"
 
+#include <algorithm>
+#include <array>
 #include <memory>
 #include <string>
 
+#include "alcap/detail/angles.h"
 #include "alcap/detail/triangle_entries.h"
 #include "alcap/parallel.h"
 
@@ -44,9 +47,24 @@ TriangleEntries<T> entries_of_triangles(const Mesh& mesh, const Geometry<T>& geo
   return entries;
 }
 
+// Calls body(e, exp(i n rho_e)) for every edge; the phases are computed many at a time.
+template <class T, class Body>
+void for_each_edge(const Mesh& mesh, const Connection<T>& connection, int n, Body&& body) {
+  constexpr std::int64_t block = 256;
+  parallel_ranges(mesh.edges(), block, [&](std::int64_t begin, std::int64_t end) {
+    std::array<Complex<T>, block> phases;
+    for (std::int64_t first = begin; first < end; first += block) {
+      const std::int64_t count = std::min(block, end - first);
+      detail::unit_numbers(count, connection.rho.data() + first, T(n), phases.data());
+      for (std::int64_t i = 0; i < count; ++i) body(first + i, phases[static_cast<std::size_t>(i)]);
+    }
+  });
+}
+
+// a b without the check for infinities.
 template <class T>
-Complex<T> edge_phase(const Connection<T>& connection, int n, std::int64_t e) {
-  return std::polar(T(1), T(n) * connection.rho[e]);
+Complex<T> product(const Complex<T>& a, const Complex<T>& b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
 // Sum of a value over the corners of vertex v.
@@ -70,9 +88,17 @@ template <class T>
 StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pattern, const Geometry<T>& geometry,
                                     const Connection<T>& connection, int n) {
   check_pattern(mesh, pattern);
-  StiffnessMass<T> out{pattern.matrix<T>(), pattern.matrix<T>()};
+  StiffnessMass<T> out;
+  // Eigen writes zeros into new complex values, one after the other: at least each matrix on a thread of its own.
+  parallel_for(
+      2,
+      [&](std::int64_t k) {
+        SparseMatrix<Complex<T>> A = pattern.matrix<T>();
+        A.swap(k == 0 ? out.S : out.M);  // assigning would copy
+      },
+      1);
   const TriangleEntries<T> entries = entries_of_triangles(mesh, geometry, connection, n);
-  parallel_for(mesh.edges(), [&](std::int64_t e) {
+  for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<T>& phase) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
     Complex<T> s = entries.stiffness_off[static_cast<std::size_t>(h)];
     Complex<T> m = entries.mass_off[static_cast<std::size_t>(h / 3)];
@@ -80,9 +106,8 @@ StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pa
       s += std::conj(entries.stiffness_off[static_cast<std::size_t>(g)]);
       m += std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
     }
-    const Complex<T> phase = edge_phase(connection, n, e);
-    set_pair(out.S, pattern, e, phase * s);
-    set_pair(out.M, pattern, e, phase * m);
+    set_pair(out.S, pattern, e, product(phase, s));
+    set_pair(out.M, pattern, e, product(phase, m));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     const Index slot = pattern.diagonal(static_cast<Index>(v));
@@ -100,14 +125,14 @@ SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh& mesh, const Hermitia
   SparseMatrix<Complex<T>> A = pattern.matrix<T>();
   const TriangleEntries<T> entries = entries_of_triangles(mesh, geometry, connection, n);
   const auto density = [&](Index t) { return T(n) * connection.K[t] / geometry.area(t); };
-  parallel_for(mesh.edges(), [&](std::int64_t e) {
+  for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<T>& phase) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
     Complex<T> c = density(h / 3) * entries.mass_off[static_cast<std::size_t>(h / 3)];
     if (g != none)
       c += density(g / 3) * std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
     else
       c += Complex<T>(0, T(-0.5));  // Im(conj(u_i) e^{iR} u_j) for the boundary halfedge i -> j
-    set_pair(A, pattern, e, edge_phase(connection, n, e) * c);
+    set_pair(A, pattern, e, product(phase, c));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     A.valuePtr()[pattern.diagonal(static_cast<Index>(v))] =

@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "alcap/field.h"
 
+#include <algorithm>
+#include <array>
 #include <string>
 
-#include "alcap/operators.h"
+#include "alcap/detail/angles.h"
 #include "alcap/parallel.h"
+#include "src/branches.h"
 
 namespace alcap {
 namespace {
@@ -24,29 +27,30 @@ void check_frames(const Field<T>& field) {
 
 template <class T>
 Complex<T> Field<T>::branch(Index v, int k) const {
-  const T modulus = std::abs(u[v]);
-  if (modulus == T(0)) return 0;
-  return std::polar(std::pow(modulus, T(1) / T(n)), (std::arg(u[v]) + T(2) * pi<T> * T(k)) / T(n));
+  const int half = detail::independent_branches(n);
+  const Complex<T> root = detail::principal_root(u[v], n);
+  const Complex<T> z = detail::turned(root, detail::branch_turn<T>(k % half, n));
+  return k < half ? z : detail::opposite(z);
 }
 
 template <class T>
 Positions<T> Field<T>::vectors(int k) const {
   if (k < 0 || k >= n) throw OptionError("k", std::to_string(k), "branches are numbered 0 to n - 1");
   check_frames(*this);
+  const detail::Branches<T> branches(n);
   Positions<T> out(u.size(), 3);
-  parallel_for(u.size(), [&](std::int64_t v) {
-    out.row(v) = frames->vector(static_cast<Index>(v), branch(static_cast<Index>(v), k));
-  });
+  parallel_for(u.size(), [&](std::int64_t v) { out.row(v) = branches.at(*this, static_cast<Index>(v)).vector(k); });
   return out;
 }
 
 template <class T>
 Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Field<T>::raw() const {
   check_frames(*this);
+  const detail::Branches<T> branches(n);
   Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(u.size(), 3 * n);
   parallel_for(u.size(), [&](std::int64_t v) {
-    for (int k = 0; k < n; ++k)
-      out.template block<1, 3>(v, 3 * k) = frames->vector(static_cast<Index>(v), branch(static_cast<Index>(v), k));
+    const auto here = branches.at(*this, static_cast<Index>(v));
+    for (int k = 0; k < n; ++k) out.template block<1, 3>(v, 3 * k) = here.vector(k);
   });
   return out;
 }
@@ -73,12 +77,32 @@ Field<T> from_vectors(int n, const Positions<T>& vectors, std::shared_ptr<const 
 }
 
 template <class T>
-Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection, const Field<T>& field,
+Field<T> at_faces(const Mesh& mesh, const Geometry<T>&, const Connection<T>& connection, const Field<T>& field,
                   std::shared_ptr<const Frames<T>> face_frames) {
+  if (field.u.size() != mesh.vertices())
+    throw OptionError("u", std::to_string(field.u.size()) + " entries",
+                      "needs one entry per vertex of the mesh, " + std::to_string(mesh.vertices()));
+  // kernels/basis.h at the barycenter, the phases of many corners at a time.
+  constexpr std::int64_t block = 256;
   Field<T> out{field.n, ComplexVectorX<T>(mesh.faces()), std::move(face_frames)};
-  parallel_for(mesh.faces(), [&](std::int64_t t) {
-    const FaceField<T> face = face_field(mesh, geometry, connection, field.n, field.u, static_cast<Index>(t));
-    out.u[t] = face.at({T(1) / 3, T(1) / 3, T(1) / 3}).u;
+  parallel_ranges(mesh.faces(), block, [&](std::int64_t begin, std::int64_t end) {
+    std::array<T, 3 * block> angles;
+    std::array<Complex<T>, 3 * block> phases;
+    for (std::int64_t first = begin; first < end; first += block) {
+      const std::int64_t count = std::min(block, end - first);
+      const T* const rho = connection.rho_t.data() + 3 * first;
+      const T* const tau = connection.tau.data() + 3 * first;
+      for (std::int64_t i = 0; i < 3 * count; i += 3)
+        for (std::int64_t c = 0; c < 3; ++c)
+          angles[static_cast<std::size_t>(i + c)] = rho[i + c] + (tau[i + c] - tau[i + (c + 2) % 3]) / 3;
+      detail::unit_numbers(3 * count, angles.data(), -T(field.n), phases.data());
+      for (std::int64_t i = 0; i < count; ++i) {
+        Complex<T> sum = 0;
+        for (std::int64_t c = 0; c < 3; ++c)
+          sum += detail::turned(field.u[mesh.F()(first + i, c)], phases[static_cast<std::size_t>(3 * i + c)]);
+        out.u[first + i] = sum / T(3);
+      }
+    }
   });
   return out;
 }

@@ -4,9 +4,12 @@
 #include "alcap/geometry.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <string>
 
+#include "alcap/detail/angles.h"
 #include "alcap/mesh_check.h"
 #include "alcap/parallel.h"
 
@@ -27,23 +30,29 @@ Geometry<T>::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<T>>& V)
       faces, true,
       [&](std::int64_t begin, std::int64_t end) {
         bool all_good = true;
-        for (std::int64_t t = begin; t < end; ++t) {
-          const Point p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
-          // The comparison in degenerate() is false for NaN as well; infinite points give NaN areas.
-          if (degenerate<T>(p[0], p[1], p[2])) {
-            all_good = false;
-            continue;
+        // Angles are taken of many corners at a time.
+        constexpr std::int64_t block = 256;
+        std::array<T, 3 * block> height, width;
+        for (std::int64_t first = begin; first < end; first += block) {
+          const std::int64_t count = std::min(block, end - first);
+          for (std::int64_t i = 0; i < count; ++i) {
+            const std::int64_t t = first + i;
+            const Point p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
+            // The comparison in degenerate() is false for NaN as well; infinite points give NaN areas.
+            all_good &= !degenerate<T>(p[0], p[1], p[2]);
+            const Point side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
+            const T twice_area = side[0].cross(side[1]).norm();
+            area_[t] = twice_area / T(2);
+            for (Index c = 0; c < 3; ++c) {
+              const T dot = -side[c].dot(side[(c + 2) % 3]);
+              height[static_cast<std::size_t>(3 * i + c)] = twice_area;
+              width[static_cast<std::size_t>(3 * i + c)] = dot;
+              cot_[3 * t + c] = dot / twice_area;
+              const Index h = static_cast<Index>(3 * t + c);
+              if (mesh.canonical(h)) length_[mesh.edge(h)] = side[c].norm();
+            }
           }
-          const Point side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
-          const T twice_area = side[0].cross(side[1]).norm();
-          area_[t] = twice_area / T(2);
-          for (Index c = 0; c < 3; ++c) {
-            const T dot = -side[c].dot(side[(c + 2) % 3]);
-            angle_[3 * t + c] = std::atan2(twice_area, dot);
-            cot_[3 * t + c] = dot / twice_area;
-            const Index h = static_cast<Index>(3 * t + c);
-            if (mesh.canonical(h)) length_[mesh.edge(h)] = side[c].norm();
-          }
+          detail::upper_angles(3 * count, height.data(), width.data(), angle_.data() + 3 * first);
         }
         return all_good;
       },

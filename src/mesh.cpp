@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// mesh.cpp: half-edge construction by bucketing halfedges at the smaller of their two vertices.
+// mesh.cpp: half-edge construction by bucketing halfedges at their tails: the twin of i -> j is in j's bucket.
 #include "alcap/mesh.h"
 
 #include <algorithm>
 #include <atomic>
+#include <limits>
 #include <memory>
+#include <span>
+#include <utility>
 
 #include "alcap/mesh_check.h"
 #include "alcap/parallel.h"
@@ -13,57 +16,147 @@
 namespace alcap {
 namespace {
 
-// Halfedges sorted by (smaller vertex, larger vertex, halfedge): the halfedges of one edge are neighbours.
-struct SortedHalfedges {
-  std::vector<Index> start;  // #V + 1, first entry of each smaller vertex
-  std::unique_ptr<Index[]> halfedge;
+bool both(bool a, bool b) { return a && b; }
+
+// The halfedges that leave each vertex.
+class Leaving {
+ public:
+  struct Entry {
+    Index tip, halfedge;
+  };
+
+  Leaving(const Index* F, Index halfedge_count, Index vertex_count)
+      : end_(std::make_unique_for_overwrite<Index[]>(static_cast<std::size_t>(vertex_count))),
+        entries_(std::make_unique_for_overwrite<Entry[]>(static_cast<std::size_t>(halfedge_count))) {
+    Index* const end = end_.get();
+    Entry* const entries = entries_.get();
+    const bool shared = thread_limit() > 1;
+    const auto increment = [shared](Index& slot) {
+      return shared ? std::atomic_ref<Index>(slot).fetch_add(1, std::memory_order_relaxed) : slot++;
+    };
+    parallel_for(vertex_count, [=](std::int64_t v) { end[v] = 0; });
+    parallel_for(halfedge_count, [=](std::int64_t h) { increment(end[F[h]]); });
+    // Starts of the buckets, which filling moves to their ends.
+    parallel_exclusive_scan(end, vertex_count);
+    parallel_for(halfedge_count, [=](std::int64_t i) {
+      const auto h = static_cast<Index>(i);
+      entries[increment(end[F[h]])] = {F[Mesh::next(h)], h};
+    });
+  }
+
+  /// In an order that depends on the threads, those of large buckets after sort_large() by tip.
+  [[nodiscard]] std::span<Entry> at(std::int64_t v) const {
+    const Index begin = v == 0 ? 0 : end_[static_cast<std::size_t>(v) - 1];
+    return {entries_.get() + begin, static_cast<std::size_t>(end_[static_cast<std::size_t>(v)] - begin)};
+  }
+
+  /// Sorts what is too large to be searched from end to end. False if two halfedges run from v to the same vertex.
+  [[nodiscard]] bool sort_large(std::int64_t v) const {
+    const std::span<Entry> here = at(v);
+    bool distinct = true;
+    if (here.size() <= searched_linearly) {
+      for (std::size_t a = 1; a < here.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b) distinct &= here[a].tip != here[b].tip;
+      return distinct;
+    }
+    std::ranges::sort(here, {}, &Entry::tip);
+    for (std::size_t a = 1; a < here.size(); ++a) distinct &= here[a].tip != here[a - 1].tip;
+    return distinct;
+  }
+
+  /// The halfedge from v to w, or `none`.
+  [[nodiscard]] Index find(Index v, Index w) const {
+    const std::span<const Entry> here = at(v);
+    if (here.size() <= searched_linearly) {
+      for (const Entry& e : here)
+        if (e.tip == w) return e.halfedge;
+      return none;
+    }
+    const auto found = std::ranges::lower_bound(here, w, {}, &Entry::tip);
+    return found != here.end() && found->tip == w ? found->halfedge : none;
+  }
+
+ private:
+  static constexpr std::size_t searched_linearly = 16;  // two cache lines
+
+  std::unique_ptr<Index[]> end_;
+  std::unique_ptr<Entry[]> entries_;
 };
 
-Index next_of(Index h) { return Mesh::next(h); }
-
-SortedHalfedges sort_halfedges(const Index* F, Index halfedge_count, Index vertex_count) {
-  SortedHalfedges sorted;
-  sorted.start.assign(static_cast<std::size_t>(vertex_count) + 1, 0);
-  Index* const start = sorted.start.data();
-  const auto smaller = [F](Index h) { return std::min(F[h], F[next_of(h)]); };
-  const auto larger = [F](Index h) { return std::max(F[h], F[next_of(h)]); };
-  parallel_for(halfedge_count, [&](std::int64_t h) {
-    std::atomic_ref<Index>(start[smaller(static_cast<Index>(h))]).fetch_add(1, std::memory_order_relaxed);
+// Twins of all halfedges. False where an edge has two halfedges of one direction.
+bool find_twins(const Leaving& leaving, Index vertex_count, Index halfedge_count, Index* twin) {
+  const bool distinct = parallel_reduce(
+      std::int64_t{vertex_count}, true,
+      [&](std::int64_t begin, std::int64_t end) {
+        bool good = true;
+        for (std::int64_t v = begin; v < end; ++v) good &= leaving.sort_large(v);
+        return good;
+      },
+      both);
+  if (!distinct) return false;
+  parallel_for(halfedge_count, [&](std::int64_t h) { twin[h] = none; });
+  parallel_for(vertex_count, [&](std::int64_t i) {
+    const auto v = static_cast<Index>(i);
+    for (const auto& [tip, h] : leaving.at(v)) {
+      const Index g = tip > v ? leaving.find(tip, v) : none;
+      if (g != none) twin[h] = g, twin[g] = h;
+    }
   });
-  parallel_exclusive_scan(start, std::int64_t{vertex_count} + 1);
-  // Entries land in any order and are sorted below, so the result does not depend on the threads. Filling moves
-  // each start to the next bucket's, which the shift afterwards undoes.
-  sorted.halfedge = std::make_unique_for_overwrite<Index[]>(static_cast<std::size_t>(halfedge_count));
-  Index* const entries = sorted.halfedge.get();
-  parallel_for(halfedge_count, [&](std::int64_t h) {
-    const Index v = smaller(static_cast<Index>(h));
-    entries[std::atomic_ref<Index>(start[v]).fetch_add(1, std::memory_order_relaxed)] = static_cast<Index>(h);
-  });
-  std::copy_backward(start, start + vertex_count, start + vertex_count + 1);
-  start[0] = 0;
-  parallel_for(vertex_count, [&](std::int64_t v) {
-    std::sort(entries + start[v], entries + start[v + 1], [&](Index a, Index b) {
-      const Index la = larger(a), lb = larger(b);
-      return la != lb ? la < lb : a < b;
-    });
-  });
-  return sorted;
+  return true;
 }
 
-[[noreturn]] void throw_first_defect(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count) {
+// The first halfedge of v: the smallest that leaves, or the smallest boundary halfedge where there is one.
+Index first_halfedge(const Leaving& leaving, const Index* twin, std::int64_t v) {
+  Index inner = none, boundary = none;
+  for (const auto& [tip, h] : leaving.at(v)) {
+    Index& best = twin[h] == none ? boundary : inner;
+    if (best == none || h < best) best = h;
+  }
+  return boundary != none ? boundary : inner;
+}
+
+// Numbers edges in the order of their canonical halfedges.
+void number_edges(const VectorX<Index>& twin, VectorX<Index>& edge, VectorX<Index>& edge_halfedge) {
+  const std::int64_t n = twin.size();
+  const std::int64_t chunks = (n + reduction_chunk - 1) / reduction_chunk;
+  const auto limit = [n](std::int64_t c) { return static_cast<Index>(std::min(n, (c + 1) * reduction_chunk)); };
+  const auto canonical = [&](Index h) { return twin[h] == none || h < twin[h]; };
+  const auto before = std::make_unique_for_overwrite<Index[]>(static_cast<std::size_t>(chunks));
+  parallel_for(
+      chunks,
+      [&](std::int64_t c) {
+        Index count = 0;
+        for (auto h = static_cast<Index>(c * reduction_chunk); h < limit(c); ++h) count += canonical(h) ? 1 : 0;
+        before[static_cast<std::size_t>(c)] = count;
+      },
+      1);
+  edge_halfedge.resize(parallel_exclusive_scan(before.get(), chunks));
+  edge.resize(n);
+  parallel_for(
+      chunks,
+      [&](std::int64_t c) {
+        Index e = before[static_cast<std::size_t>(c)];
+        for (auto h = static_cast<Index>(c * reduction_chunk); h < limit(c); ++h) {
+          if (!canonical(h)) continue;
+          edge_halfedge[e] = h;
+          edge[h] = e++;
+        }
+      },
+      1);
+  parallel_for(n, [&](std::int64_t h) {
+    if (!canonical(static_cast<Index>(h))) edge[h] = edge[twin[h]];
+  });
+}
+
+[[noreturn]] void throw_first_defect(const Faces& F, std::int64_t vertex_count) {
   const std::vector<DefectReport> defects = find_defects(F, vertex_count);
   if (defects.empty()) throw Error("internal error: the mesh was refused but no defect was found");
   throw_defect(defects.front());
 }
 
-}  // namespace
-
-Mesh::Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count) {
-  constexpr std::int64_t largest = std::numeric_limits<Index>::max() / 3;
-  if (F.rows() == 0 || F.rows() > largest || vertex_count > largest) throw_first_defect(F, vertex_count);
-  const std::int64_t n_faces = F.rows();
-  const bool in_range = parallel_reduce(
-      n_faces, true,
+bool in_range(const Faces& F, std::int64_t vertex_count) {
+  return parallel_reduce(
+      F.rows(), true,
       [&](std::int64_t begin, std::int64_t end) {
         bool good = true;
         for (std::int64_t t = begin; t < end; ++t) {
@@ -73,103 +166,35 @@ Mesh::Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count) {
         }
         return good;
       },
-      [](bool a, bool b) { return a && b; });
-  if (!in_range) throw_first_defect(F, vertex_count);
+      both);
+}
 
-  F_ = F;
+}  // namespace
+
+Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
+  constexpr std::int64_t largest = std::numeric_limits<Index>::max() / 3;
+  if (F_.rows() == 0 || F_.rows() > largest || vertex_count > largest) throw_first_defect(F_, vertex_count);
+  if (!in_range(F_, vertex_count)) throw_first_defect(F_, vertex_count);
   vertex_count_ = static_cast<Index>(vertex_count);
-  const Index n_halfedges = static_cast<Index>(3 * n_faces);
-  const auto n = static_cast<std::size_t>(n_halfedges);
-  twin_.resize(n);
-  edge_.resize(n);
 
-  // Twins: an edge has one halfedge (boundary) or two that run against each other.
-  bool manifold = true;
-  {
-    const SortedHalfedges sorted = sort_halfedges(F_.data(), n_halfedges, vertex_count_);
-    const Index* const entries = sorted.halfedge.get();
-    manifold = parallel_reduce(
-        std::int64_t{vertex_count_}, true,
-        [&](std::int64_t begin, std::int64_t end) {
-          bool good = true;
-          for (std::int64_t v = begin; v < end; ++v) {
-            const Index stop = sorted.start[static_cast<std::size_t>(v) + 1];
-            Index k = sorted.start[static_cast<std::size_t>(v)];
-            while (k < stop) {
-              const Index a = entries[k];
-              const Index sum = tail(a) + tip(a);  // with v in common, equal sums mean equal edges
-              Index same = 1;
-              while (k + same < stop && tail(entries[k + same]) + tip(entries[k + same]) == sum) ++same;
-              if (same == 1) {
-                twin_[static_cast<std::size_t>(a)] = none;
-              } else {
-                const Index b = entries[k + 1];
-                twin_[static_cast<std::size_t>(a)] = b;
-                twin_[static_cast<std::size_t>(b)] = a;
-                good &= same == 2 && tail(a) != tail(b);
-              }
-              k += same;
-            }
-          }
-          return good;
-        },
-        [](bool a, bool b) { return a && b; });
-  }
-  if (!manifold) throw_first_defect(F, vertex_count);
-
-  // Edges in the order of their smaller halfedge.
-  parallel_for(n_halfedges, [&](std::int64_t h) {
-    const Index t = twin_[static_cast<std::size_t>(h)];
-    edge_[static_cast<std::size_t>(h)] = t == none || h < t;
-  });
-  std::vector<Index> number(edge_);
-  const Index edge_count = parallel_exclusive_scan(number.data(), n_halfedges);
-  edge_halfedge_.resize(static_cast<std::size_t>(edge_count));
-  parallel_for(n_halfedges, [&](std::int64_t h) {
-    if (edge_[static_cast<std::size_t>(h)] == 0) return;
-    const Index e = number[static_cast<std::size_t>(h)];
-    edge_halfedge_[static_cast<std::size_t>(e)] = static_cast<Index>(h);
-  });
-  parallel_for(n_halfedges, [&](std::int64_t h) {
-    const Index t = twin_[static_cast<std::size_t>(h)];
-    const bool is_canonical = t == none || h < t;
-    edge_[static_cast<std::size_t>(h)] = number[static_cast<std::size_t>(is_canonical ? h : t)];
-  });
-  boundary_edges_ = 2 * edge_count - n_halfedges;
-
-  // First halfedges: the smallest that leaves, or the boundary halfedge where there is one.
-  first_.assign(static_cast<std::size_t>(vertex_count_), none);
-  std::vector<Index> corners(static_cast<std::size_t>(vertex_count_), 0);
-  constexpr Index boundary_bit = std::numeric_limits<Index>::min();  // sorts boundary halfedges before all others
-  for (Index& f : first_) f = std::numeric_limits<Index>::max();
-  parallel_for(n_halfedges, [&](std::int64_t i) {
-    const Index h = static_cast<Index>(i);
-    const auto v = static_cast<std::size_t>(tail(h));
-    const Index key = twin(h) == none ? h + boundary_bit : h;
-    std::atomic_ref<Index> slot(first_[v]);
-    Index seen = slot.load(std::memory_order_relaxed);
-    while (key < seen && !slot.compare_exchange_weak(seen, key, std::memory_order_relaxed)) {
-    }
-    std::atomic_ref<Index>(corners[v]).fetch_add(1, std::memory_order_relaxed);
-  });
-  parallel_for(vertex_count_, [&](std::int64_t v) {
-    Index& f = first_[static_cast<std::size_t>(v)];
-    if (f == std::numeric_limits<Index>::max()) f = none;
-    if (f < none) f -= boundary_bit;
-  });
+  const Leaving leaving(F_.data(), halfedges(), vertex_count_);
+  twin_.resize(halfedges());
+  if (!find_twins(leaving, vertex_count_, halfedges(), twin_.data())) throw_first_defect(F_, vertex_count);
 
   // Every corner of a manifold vertex is met by one walk around it.
   struct Tally {
     bool manifold = true;
     Index referenced = 0;
   };
+  first_.resize(vertex_count_);
   const Tally tally = parallel_reduce(
       std::int64_t{vertex_count_}, Tally{},
       [&](std::int64_t begin, std::int64_t end) {
         Tally here;
         for (std::int64_t i = begin; i < end; ++i) {
           const Index v = static_cast<Index>(i);
-          const Index all = corners[static_cast<std::size_t>(v)];
+          const auto all = static_cast<Index>(leaving.at(v).size());
+          first_[v] = first_halfedge(leaving, twin_.data(), v);
           Index met = 0;
           for (Index h = first(v); h != none && met <= all; h = next_around(h, v)) ++met;
           here.manifold &= met == all;
@@ -184,7 +209,7 @@ Mesh::Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count) {
 
   // Two faces glued along all three edges are the same triangle twice.
   const bool distinct = parallel_reduce(
-      n_faces, true,
+      F_.rows(), true,
       [&](std::int64_t begin, std::int64_t end) {
         bool good = true;
         for (std::int64_t t = begin; t < end; ++t) {
@@ -194,8 +219,11 @@ Mesh::Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count) {
         }
         return good;
       },
-      [](bool a, bool b) { return a && b; });
-  if (!tally.manifold || !distinct) throw_first_defect(F, vertex_count);
+      both);
+  if (!tally.manifold || !distinct) throw_first_defect(F_, vertex_count);
+
+  number_edges(twin_, edge_, edge_halfedge_);
+  boundary_edges_ = static_cast<Index>(2 * std::int64_t{edges()} - halfedges());
 }
 
 }  // namespace alcap

@@ -72,13 +72,17 @@ void remark_separate_pieces(const Positions<double>& V, const Mesh& mesh, const 
 }
 
 void remark_slivers(const Geometry<double>& geometry, const Mesh& mesh, std::vector<Remark>& remarks) {
+  const double least = parallel_reduce(
+      geometry.angles().size(), pi<double>,
+      [&](std::int64_t begin, std::int64_t end) { return geometry.angles().segment(begin, end - begin).minCoeff(); },
+      [](double a, double b) { return std::min(a, b); });
+  if (least >= sliver_angle) return;
   Remark remark{.code = "slivers", .warning = false};
   for (Index t = 0; t < mesh.faces(); ++t) {
     const double smallest = geometry.angles().segment<3>(3 * Eigen::Index{t}).minCoeff();
     if (smallest >= sliver_angle) continue;
     if (static_cast<std::size_t>(remark.count++) < most_named) remark.first.push_back(t);
   }
-  if (remark.count == 0) return;
   remark.message = plural(remark.count, "face has", "faces have") +
                    " a corner below 0.1 degrees; the result holds, solving takes longer";
   remarks.push_back(std::move(remark));
@@ -144,11 +148,14 @@ Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   });
   certificate.index_sums_match =
       std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
-  certificate.finite = run.field.u.allFinite();
+  certificate.finite = parallel_reduce(
+      run.field.u.size(), true,
+      [&](std::int64_t begin, std::int64_t end) { return run.field.u.segment(begin, end - begin).allFinite(); },
+      [](bool a, bool b) { return a && b; });
   return certificate;
 }
 
-FieldRun run_steps(const Positions<double>& V, const Faces& F, const FieldRunOptions& options) {
+FieldRun run_steps(const Positions<double>& V, Faces F, const FieldRunOptions& options) {
   const auto say = [&](const char* phase) {
     if (options.progress) options.progress(phase);
   };
@@ -156,8 +163,8 @@ FieldRun run_steps(const Positions<double>& V, const Faces& F, const FieldRunOpt
   Stopwatch watch;
 
   say("mesh");
-  run.mesh =
-      options.repairs.empty() ? Mesh(F, V.rows()) : Mesh(apply_repairs(V, F, options.repairs, run.remarks), V.rows());
+  if (!options.repairs.empty()) F = apply_repairs(V, F, options.repairs, run.remarks);
+  run.mesh = Mesh(std::move(F), V.rows());
   run.topology = find_topology(run.mesh);
   run.geometry = Geometry<double>(run.mesh, V);
   for (Remark& remark : mesh_remarks(V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(remark));
@@ -166,11 +173,10 @@ FieldRun run_steps(const Positions<double>& V, const Faces& F, const FieldRunOpt
   say("connection");
   run.cones = make_cones(run.mesh, run.geometry, options);
   run.connection = make_connection(run.mesh, run.geometry, options, run.cones);
-  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, V, run.connection));
   run.times.connection = watch.lap();
 
   say("solve");
-  SmoothestResult result = smoothest_field(run.mesh, run.geometry, run.connection, frames,
+  SmoothestResult result = smoothest_field(run.mesh, run.geometry, run.connection, run.topology, nullptr,
                                            {.n = options.n, .s = options.s, .eigen = options.eigen});
   run.field = std::move(result.field);
   run.eigen = std::move(result.components);
@@ -178,9 +184,11 @@ FieldRun run_steps(const Positions<double>& V, const Faces& F, const FieldRunOpt
   run.times.eigen = std::max(0.0, watch.lap() - result.assembly_seconds);
 
   say("analysis");
+  // Only now: the solve, which takes the most memory, needs no frames.
+  run.field.frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, V, run.geometry, run.connection));
   run.indices = face_indices(run.mesh, run.connection, run.field);
   run.index_sums = index_sums(run.mesh, run.geometry, run.connection, run.field, run.indices, run.topology);
-  run.singularities = find_singularities(run.mesh, run.geometry, run.connection, run.field);
+  run.singularities = find_singularities(run.mesh, run.geometry, run.connection, run.field, run.indices);
   run.certificate = certify(run, options);
   remark_outcome(run, options, run.remarks);
   if (options.normalise) run.field = normalised(std::move(run.field));
@@ -266,12 +274,12 @@ std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, c
   return remarks;
 }
 
-FieldRun run_field(const Positions<double>& V, const Faces& F, const FieldRunOptions& options) {
+FieldRun run_field(const Positions<double>& V, Faces F, const FieldRunOptions& options) {
   if (options.threads < 0 || options.threads > 4096) {
     throw OptionError("threads", std::to_string(options.threads), "must be 0 (all of the machine) or 1 to 4096");
   }
   FieldRun run;
-  run_with_threads(options.threads, [&] { run = run_steps(V, F, options); });
+  run_with_threads(options.threads, [&] { run = run_steps(V, std::move(F), options); });
   return run;
 }
 

@@ -72,6 +72,11 @@ std::optional<Barycentric> find_zero(const FaceField<double>& f) {
   return std::nullopt;
 }
 
+void check_indices(const Mesh& mesh, const std::vector<int>& indices) {
+  if (static_cast<Index>(indices.size()) != mesh.faces())
+    throw OptionError("indices", std::to_string(indices.size()) + " entries", "needs one per face");
+}
+
 double positive_remainder(double angle, double period) {
   const double r = std::fmod(angle, period);
   return r < 0 ? r + period : r;
@@ -100,7 +105,13 @@ int face_index(const Mesh& mesh, const Connection<double>& connection, const Fie
 
 std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
                                             const Connection<double>& connection, const Field<double>& field) {
-  const std::vector<int> indices = face_indices(mesh, connection, field);
+  return find_singularities(mesh, geometry, connection, field, face_indices(mesh, connection, field));
+}
+
+std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
+                                            const Connection<double>& connection, const Field<double>& field,
+                                            const std::vector<int>& indices) {
+  check_indices(mesh, indices);
   std::vector<Singularity> found;
   for (std::size_t t = 0; t < indices.size(); ++t)
     if (indices[t] != 0) found.push_back({.face = static_cast<Index>(t), .index = indices[t]});
@@ -129,12 +140,16 @@ std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<dou
 std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,
                                  const Connection<double>& connection, const Field<double>& field,
                                  const std::vector<int>& indices, const Topology& topology) {
-  if (static_cast<Index>(indices.size()) != mesh.faces())
-    throw OptionError("indices", std::to_string(indices.size()) + " entries", "needs one per face");
+  check_indices(mesh, indices);
   std::vector<IndexSum> sums(topology.components.size());
   for (std::size_t c = 0; c < sums.size(); ++c) sums[c].expected = field.n * std::int64_t{topology.components[c].euler};
-  for (std::size_t t = 0; t < indices.size(); ++t)
-    sums[static_cast<std::size_t>(topology.face_component[t])].sum += indices[t];
+  if (sums.size() == 1) {
+    sums[0].sum =
+        parallel_sum<std::int64_t>(mesh.faces(), [&](std::int64_t t) { return indices[static_cast<std::size_t>(t)]; });
+  } else {
+    for (std::size_t t = 0; t < indices.size(); ++t)
+      sums[static_cast<std::size_t>(topology.face_component[t])].sum += indices[t];
+  }
   // Turns of the field relative to the tangent of each boundary loop, the surface on the left.
   for (const Loop& loop : topology.loops) {
     double turns = 0;

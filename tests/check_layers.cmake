@@ -36,10 +36,12 @@ set(also
   "^src/output/ = output"
   "^src/face_edges = mesh_check"
   "^src/homology = topology"
+  "^src/branches = field"
   "^src/component_blocks = design"
   "^src/(triangle_frame|correction_system|grounded_laplacian) = connection"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
+  "^include/alcap/detail/(isa|angles) = conventions"
   "^include/alcap/detail/atomic_file = errors"
   "^include/alcap/detail/random = conventions")
 # What each part may include, besides the standard library and itself: alcap headers (by the order above), folders,

@@ -238,6 +238,24 @@ TEST_CASE("vertex.rawfield: the branches of every vertex bit for bit, zeros wher
   for (const Singularity& s : c.singularities) CHECK(found.at(s.face) == s.index);
 }
 
+TEST_CASE("the branches of an even n come in exact opposites, in memory and in text") {
+  const Folder folder;
+  for (const int n : {2, 4, 6, 10}) {
+    CAPTURE(n);
+    Case c(icosphere(2), n);
+    c.randomise(static_cast<std::uint64_t>(n));
+    c.field.u[0] = {-1, 0};  // its roots lie on axes: zeros have no sign
+    c.field.u[1] = {0, -1};
+    write_field(c.output(), folder.path / "f.vertex.rawfield");
+    const Raw raw = read_raw(folder.path / "f.vertex.rawfield");
+    for (int k = 0; k < n / 2; ++k) {
+      CHECK(raw.rows.middleCols(3 * k, 3) == -raw.rows.middleCols(3 * (k + n / 2), 3));
+      CHECK(raw.rows.middleCols(3 * k, 3) == c.field.vectors(k));
+      for (Index v = 0; v < c.mesh.vertices(); ++v) CHECK(c.field.branch(v, k) == -c.field.branch(v, k + n / 2));
+    }
+  }
+}
+
 TEST_CASE("rosy: face count, n, and the unit vector along the first direction of each face") {
   const Folder folder;
   Case c(noisy_scan(3, 0.2, 2), 4);

@@ -107,7 +107,8 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const FieldRunOptions how = run_options(placed);
   run.cones = placed.connection.cones;
   run.connection = make_connection(run.mesh, run.geometry, how, run.cones);
-  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, file.V, run.connection));
+  const auto frames =
+      std::make_shared<const Frames<double>>(vertex_frames(run.mesh, file.V, run.geometry, run.connection));
   const std::vector<DesignControl> controls = design_controls(placed, run.mesh, file.V, run.geometry, *frames);
   run.times.connection = seconds(lap);
 

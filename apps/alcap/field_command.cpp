@@ -55,14 +55,13 @@ std::string fraction(std::int64_t count, int n) {
   return fmt::format("{}/{}", count, n);
 }
 
-std::string phase_text(std::string_view phase, const MeshFile& file) {
+std::string phase_text(std::string_view phase, std::int64_t faces) {
   const std::map<std::string_view, std::string> words{{"mesh", "building the mesh"},
                                                       {"connection", "finding the connection"},
                                                       {"solve", "solving for the smoothest field"},
                                                       {"analysis", "locating singularities"}};
   const auto found = words.find(phase);
-  return fmt::format("{} ({} faces)", found == words.end() ? std::string(phase) : found->second,
-                     grouped(file.F.rows()));
+  return fmt::format("{} ({} faces)", found == words.end() ? std::string(phase) : found->second, grouped(faces));
 }
 
 std::string summary(const FieldOptions& options, const Json& report) {
@@ -145,12 +144,13 @@ Outcome run(FieldOptions options, Progress& progress) {
 
   RunSeconds times;
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
-  const MeshFile file = read_choice(options.mesh);
+  MeshFile file = read_choice(options.mesh);
+  const std::int64_t faces = file.F.rows();
   times.read = seconds(start);
 
   options.run.repairs = options.mesh.repairs;
-  options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, file)); };
-  const FieldRun result = run_field(file.V, file.F, options.run);
+  options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
+  const FieldRun result = run_field(file.V, std::move(file.F), options.run);
 
   progress.phase("writing");
   const auto write_start = Clock::now();

@@ -13,8 +13,12 @@
 #include <string_view>
 #include <vector>
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include "alcap/conventions.h"
-#include "alcap/detail/triangle_entries.h"
+#include "alcap/detail/isa.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
 #include "alcap/version.h"
@@ -143,6 +147,17 @@ void add_common(const Command& command, CLI::App& app, Common& common) {
       ->group("Common options");
 }
 
+/// Memory that one phase frees is taken up by the next instead of going back to the system in between: new pages cost
+/// more than most phases do with them (measured at 1.3 million triangles: a third of the system time, for 1 % more
+/// memory). The library leaves such settings alone.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int bytes = 1 << 30;
+  (void)::mallopt(M_MMAP_THRESHOLD, bytes);
+  (void)::mallopt(M_TRIM_THRESHOLD, bytes);
+#endif
+}
+
 int start(int argc, char** argv) {
   CLI::App app(description, "alcap");
   app.formatter(std::make_shared<WrappedHelp>());  // before the subcommands, which inherit it
@@ -195,6 +210,7 @@ int start(int argc, char** argv) {
 }  // namespace alcap::app
 
 int main(int argc, char** argv) {
+  alcap::app::keep_freed_memory();
   alcap::app::Progress silent(false);
   return alcap::app::guarded("", false, silent, [&] { return alcap::app::start(argc, argv); });
 }

@@ -130,7 +130,7 @@ Outcome run(OpsOptions options, Progress& progress) {
   progress.phase("finding the connection");
   const Connection<double> connection =
       make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
-  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, file.V, connection));
+  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, file.V, geometry, connection));
   // Same connection, same frames: the numbers are taken as they are. Otherwise the vectors in space are what counts.
   const int n = field_file.field.n;
   Field<double> field = field_file.field;

@@ -8,12 +8,35 @@
 #include <limits>
 
 #include "alcap/memory.h"
+#include "alcap/parallel.h"
 #include "alcap/version.h"
 
 namespace alcap::app {
 namespace {
 
 double infinity() { return std::numeric_limits<double>::infinity(); }
+
+struct Spread {
+  double least = infinity(), most = -infinity(), sum = 0;
+};
+
+/// Of value(i) for i in [0, n).
+template <class Value>
+Spread spread(std::int64_t n, Value&& value) {
+  return parallel_reduce(
+      n, Spread{},
+      [&](std::int64_t begin, std::int64_t end) {
+        Spread here;
+        for (std::int64_t i = begin; i < end; ++i) {
+          const double x = value(i);
+          here = {std::min(here.least, x), std::max(here.most, x), here.sum + x};
+        }
+        return here;
+      },
+      [](const Spread& a, const Spread& b) {
+        return Spread{std::min(a.least, b.least), std::max(a.most, b.most), a.sum + b.sum};
+      });
+}
 
 std::int64_t integer(std::size_t count) { return static_cast<std::int64_t>(count); }
 
@@ -59,8 +82,11 @@ Json components_json(const FieldRun& run) {
   const auto& parts = run.topology.components;
   std::vector<double> area(parts.size(), 0.0);
   std::vector<std::int64_t> singular(parts.size(), 0);
-  for (Index t = 0; t < run.mesh.faces(); ++t) {
-    area[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(t)])] += run.geometry.area(t);
+  if (parts.size() == 1) {
+    area[0] = run.geometry.total_area();
+  } else {
+    for (Index t = 0; t < run.mesh.faces(); ++t)
+      area[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(t)])] += run.geometry.area(t);
   }
   for (const Singularity& s : run.singularities) {
     ++singular[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(s.face)])];
@@ -249,6 +275,8 @@ Json singularities_json(const FieldRun& run) {
 Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double>& geometry) {
   std::int64_t genus = 0;
   for (const ComponentInfo& part : topology.components) genus += part.genus;
+  const Spread length = spread(mesh.edges(), [&](std::int64_t e) { return geometry.lengths()[e]; });
+  const Spread angle = spread(mesh.halfedges(), [&](std::int64_t c) { return geometry.angles()[c]; });
   return {{"vertices", mesh.vertices()},
           {"faces", mesh.faces()},
           {"edges", mesh.edges()},
@@ -259,29 +287,25 @@ Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double
           {"genus", genus},
           {"unreferenced_vertices", mesh.vertices() - mesh.referenced_vertices()},
           {"area", number(geometry.total_area())},
-          {"edge_length_min", number(geometry.lengths().minCoeff())},
-          {"edge_length_mean", number(geometry.lengths().mean())},
-          {"edge_length_max", number(geometry.lengths().maxCoeff())},
-          {"angle_min_degrees", number(geometry.angles().minCoeff() * 180 / pi<double>)},
-          {"angle_max_degrees", number(geometry.angles().maxCoeff() * 180 / pi<double>)}};
+          {"edge_length_min", number(length.least)},
+          {"edge_length_mean", number(length.sum / mesh.edges())},
+          {"edge_length_max", number(length.most)},
+          {"angle_min_degrees", number(angle.least * 180 / pi<double>)},
+          {"angle_max_degrees", number(angle.most * 180 / pi<double>)}};
 }
 
 Json connection_json(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
                      const FieldRunOptions& options) {
-  double least = infinity(), most = -infinity();
-  for (Index t = 0; t < mesh.faces(); ++t) {
-    const double k = connection.K[t] / geometry.area(t);
-    least = std::min(least, k);
-    most = std::max(most, k);
-  }
+  const Spread density = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t] / geometry.areas()[t]; });
+  const Spread curvature = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t]; });
   const ConnectionReport& report = connection.report;
   return {{"kind", name(options.connection, options.polar.center)},
           {"detail", number(options.global.detail)},
           {"D_T", number(report.D_T)},
           {"D_E", number(report.D_E)},
-          {"K_min_over_area", number(least)},
-          {"K_max_over_area", number(most)},
-          {"K_sum", number(connection.K.sum())},
+          {"K_min_over_area", number(density.least)},
+          {"K_max_over_area", number(density.most)},
+          {"K_sum", number(curvature.sum)},
           {"iterations", report.iterations},
           {"residual", number(report.residual)},
           {"converged", report.converged},

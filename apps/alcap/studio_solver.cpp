@@ -109,7 +109,8 @@ struct StudioSolver::State {
     const FieldRunOptions how = run_options(design);
     connection = std::make_shared<const Connection<double>>(
         make_connection(surface.mesh, surface.geometry, how, make_cones(surface.mesh, surface.geometry, how)));
-    frames = std::make_shared<const Frames<double>>(vertex_frames(surface.mesh, surface.V, *connection));
+    frames =
+        std::make_shared<const Frames<double>>(vertex_frames(surface.mesh, surface.V, surface.geometry, *connection));
     connection_text = text;
   }
 

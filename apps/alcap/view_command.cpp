@@ -90,7 +90,7 @@ Outcome run(ViewOptions options, Progress& progress) {
   progress.phase("finding the connection");
   const Connection<double> connection =
       make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
-  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, data.V, connection));
+  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, data.V, geometry, connection));
   if (data.field.frames->X != frames->X || data.field.frames->N != frames->N)
     data.field = from_vectors(data.field.n, data.field.vectors(0), frames);
   const std::vector<Singularity> singularities = find_singularities(mesh, geometry, connection, data.field);

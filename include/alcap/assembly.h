@@ -20,20 +20,20 @@ class HermitianPattern {
   explicit HermitianPattern(const Mesh& mesh);
 
   [[nodiscard]] Index rows() const { return static_cast<Index>(outer_.size()) - 1; }
-  [[nodiscard]] Index nonzeros() const { return outer_.back(); }
+  [[nodiscard]] Index nonzeros() const { return outer_[outer_.size() - 1]; }
   /// Slot of entry (v, v).
-  [[nodiscard]] Index diagonal(Index v) const { return diagonal_[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] Index diagonal(Index v) const { return diagonal_[v]; }
   /// Slot of entry (i, j), row i and column j, for the canonical halfedge i -> j of edge e.
-  [[nodiscard]] Index upper(Index e) const { return upper_[static_cast<std::size_t>(e)]; }
+  [[nodiscard]] Index upper(Index e) const { return upper_[e]; }
   /// Slot of its mirror (j, i).
-  [[nodiscard]] Index lower(Index e) const { return lower_[static_cast<std::size_t>(e)]; }
+  [[nodiscard]] Index lower(Index e) const { return lower_[e]; }
 
   /// A matrix of this pattern with unset values.
   template <class T>
   [[nodiscard]] SparseMatrix<Complex<T>> matrix() const;
 
  private:
-  std::vector<Index> outer_, inner_, diagonal_, upper_, lower_;
+  VectorX<Index> outer_, inner_, diagonal_, upper_, lower_;  // not zeroed when they are made, as std::vector is
 };
 
 /// The real symmetric 2V x 2V view of a Hermitian matrix, (re, im) interleaved: entry a + ib becomes [a -b; b a].

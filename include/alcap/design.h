@@ -38,4 +38,10 @@ struct SmoothestResult {
                                               std::shared_ptr<const Frames<double>> frames,
                                               const SmoothestOptions& options = {});
 
+/// The same with the topology of the mesh, where the caller has it. The frames may be empty and set afterwards.
+[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
+                                              const Connection<double>& connection, const Topology& topology,
+                                              std::shared_ptr<const Frames<double>> frames,
+                                              const SmoothestOptions& options = {});
+
 }  // namespace alcap

@@ -33,6 +33,11 @@ struct Frames {
 template <class T>
 [[nodiscard]] Frames<T> vertex_frames(const Mesh& mesh, const Positions<T>& V, const Connection<T>& connection);
 
+/// The same, to the last bit, where the geometry of mesh and V is at hand.
+template <class T>
+[[nodiscard]] Frames<T> vertex_frames(const Mesh& mesh, const Positions<T>& V, const Geometry<T>& geometry,
+                                      const Connection<T>& connection);
+
 /// Frames of the faces (#F rows): X along halfedge 3 t, N the face's normal.
 template <class T>
 [[nodiscard]] Frames<T> face_frames(const Mesh& mesh, const Positions<T>& V);

@@ -11,7 +11,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "alcap/conventions.h"
 
@@ -23,8 +22,9 @@ class Mesh {
 
   /// Builds from faces (#F x 3, indices in [0, vertex_count)). Vertices that no face uses are allowed.
   /// Throws MeshError (empty, index_out_of_range, repeated_vertex_in_face, duplicate_face, non_manifold_edge,
-  /// inconsistent_orientation, not_orientable, non_manifold_vertex) naming the elements. O(F), parallel.
-  Mesh(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count);
+  /// inconsistent_orientation, not_orientable, non_manifold_vertex) naming the elements. O(F), parallel. The faces are
+  /// kept: std::move them where memory counts.
+  Mesh(Faces F, std::int64_t vertex_count);
 
   [[nodiscard]] Index vertices() const { return vertex_count_; }
   [[nodiscard]] Index faces() const { return static_cast<Index>(F_.rows()); }
@@ -41,17 +41,17 @@ class Mesh {
   [[nodiscard]] Index tip(Index h) const { return F_.data()[next(h)]; }
 
   /// The halfedge on the other side, or `none` on the boundary.
-  [[nodiscard]] Index twin(Index h) const { return twin_[static_cast<std::size_t>(h)]; }
+  [[nodiscard]] Index twin(Index h) const { return twin_[h]; }
   /// The edge of halfedge h.
-  [[nodiscard]] Index edge(Index h) const { return edge_[static_cast<std::size_t>(h)]; }
+  [[nodiscard]] Index edge(Index h) const { return edge_[h]; }
   /// The canonical halfedge of edge e.
-  [[nodiscard]] Index halfedge(Index e) const { return edge_halfedge_[static_cast<std::size_t>(e)]; }
+  [[nodiscard]] Index halfedge(Index e) const { return edge_halfedge_[e]; }
   /// Whether h is the canonical halfedge of its edge.
   [[nodiscard]] bool canonical(Index h) const { return halfedge(edge(h)) == h; }
 
   /// The first halfedge that leaves v: the smallest at an interior vertex, the boundary halfedge at a boundary vertex
   /// (so that walking counter-clockwise meets every corner); `none` when no face uses v.
-  [[nodiscard]] Index first(Index v) const { return first_[static_cast<std::size_t>(v)]; }
+  [[nodiscard]] Index first(Index v) const { return first_[v]; }
   /// The next halfedge counter-clockwise around the tail of h, `none` after the last: at a boundary, or back at
   /// first(v).
   [[nodiscard]] Index next_around(Index h, Index v) const {
@@ -71,7 +71,7 @@ class Mesh {
 
  private:
   Faces F_;
-  std::vector<Index> twin_, edge_, edge_halfedge_, first_;
+  VectorX<Index> twin_, edge_, edge_halfedge_, first_;  // not zeroed when they are made, as std::vector is
   Index vertex_count_ = 0;
   Index boundary_edges_ = 0;
   Index referenced_ = 0;

@@ -56,6 +56,9 @@ inline constexpr std::int64_t reduction_chunk = 4096;
 /// Below this many elements a loop runs on the calling thread.
 inline constexpr std::int64_t sequential_below = 2048;
 
+/// The most threads that a loop started here uses.
+[[nodiscard]] inline int thread_limit() { return tbb::this_task_arena::max_concurrency(); }
+
 /// Calls body(begin, end) over disjoint ranges that cover [0, n); range limits are multiples of `grain`.
 template <class Body>
 void parallel_ranges(std::int64_t n, std::int64_t grain, Body&& body) {

@@ -72,11 +72,11 @@ struct Certificate {
 
 /// Wall-clock seconds.
 struct FieldTimes {
-  double mesh = 0;        ///< repairs, half-edges, topology, lengths and angles
-  double connection = 0;  ///< the connection and the vertex frames
+  double mesh = 0;  ///< repairs, half-edges, topology, lengths and angles
+  double connection = 0;
   double assembly = 0;
   double eigen = 0;
-  double analysis = 0;  ///< indices, zeros, certificate
+  double analysis = 0;  ///< vertex frames, indices, zeros, certificate
 };
 
 /// Everything a run computed. Vertices and faces are numbered as they came.
@@ -97,8 +97,9 @@ struct FieldRun {
 };
 
 /// Smoothest n-field of a mesh, V #V x 3, F #F x 3. Throws MeshError for a mesh that cannot be used, OptionError for
-/// bad options, SolveError when a solver fails. What did not converge is told by the certificate, not thrown.
-[[nodiscard]] FieldRun run_field(const Positions<double>& V, const Faces& F, const FieldRunOptions& options = {});
+/// bad options, SolveError when a solver fails. What did not converge is told by the certificate, not thrown. The faces
+/// become those of the result's mesh: std::move them where memory counts.
+[[nodiscard]] FieldRun run_field(const Positions<double>& V, Faces F, const FieldRunOptions& options = {});
 
 /// The faces after the repairs asked for (welding first); appends what was done to `remarks`. Throws MeshError when a
 /// repair is impossible.

@@ -41,6 +41,11 @@ struct IndexSum {
                                                           const Connection<double>& connection,
                                                           const Field<double>& field);
 
+/// The same with the counts of face_indices().
+[[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
+                                                          const Connection<double>& connection,
+                                                          const Field<double>& field, const std::vector<int>& indices);
+
 /// Poincare-Hopf, one entry per component. On components with boundary the expected value uses the field's own turns
 /// along the loops, computed from boundary data alone.
 [[nodiscard]] std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,

@@ -57,23 +57,30 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
 AtomicFile::~AtomicFile() { discard(); }
 
 void AtomicFile::flush() {
-  const char* from = buffer_.data();
-  std::size_t left = buffer_.size();
-  while (left > 0) {
-    const ssize_t written = ::write(descriptor_, from, left);
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail("writing failed after " + std::to_string(flushed_) + " bytes", errno);
-    from += written;
-    left -= static_cast<std::size_t>(written);
-    flushed_ += written;
-  }
+  flush(buffer_);
   buffer_.clear();
 }
 
-void AtomicFile::commit() {
+void AtomicFile::flush(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) fail("writing failed after " + std::to_string(flushed_) + " bytes", errno);
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+    flushed_ += written;
+  }
+}
+
+void AtomicFile::complete() {
   if (descriptor_ < 0) fail("written twice or after a failure", 0);
   flush();
   if (::close(std::exchange(descriptor_, -1)) != 0) fail("closing failed", errno);
+  complete_ = true;
+}
+
+void AtomicFile::commit() {
+  if (!complete_) complete();
+  complete_ = false;
   if (temporary_.empty()) return;
   if (::rename(temporary_.c_str(), final_.c_str()) != 0) fail("cannot give the finished file its name", errno);
   temporary_.clear();

@@ -10,7 +10,6 @@
 namespace alcap {
 namespace {
 
-using detail::append_binary;
 using detail::append_text;
 using detail::AtomicFile;
 using detail::write_rows;
@@ -25,24 +24,28 @@ void write_vtp(AtomicFile& file, const CurveSet& curves, int n) {
   using namespace detail::polydata;
   const std::int64_t points = curves.points.rows(), count = curves.size();
   const auto reason = [&](std::string title, const std::vector<CurveEnd>& ends) {
-    return Array{std::move(title), "Int32", 1, count, [&ends](std::int64_t k, auto& b) {
-                   append_binary(b, static_cast<std::int32_t>(ends[static_cast<std::size_t>(k)]));
-                 }};
+    return array<std::int32_t, 1>(std::move(title), count, [&ends](std::int64_t k, std::int32_t* x) {
+      x[0] = static_cast<std::int32_t>(ends[static_cast<std::size_t>(k)]);
+    });
   };
-  Section cells{"CellData", "", {reason("start", curves.start_reason), reason("end", curves.end_reason)}};
-  Section data{"PointData", "", {}};
-  data.arrays.push_back({"face", "Int32", 1, points, [&](std::int64_t i, auto& b) {
-                           append_binary(b, std::int32_t{curves.faces[static_cast<std::size_t>(i)]});
-                         }});
-  data.arrays.push_back({"barycentric", "Float64", 3, points,
-                         [&](std::int64_t i, auto& b) { append_vector(b, curves.barycentric.row(i)); }});
-  Section places{"Points", "", {}};
-  places.arrays.push_back(
-      {"Points", "Float64", 3, points, [&](std::int64_t i, auto& b) { append_vector(b, curves.points.row(i)); }});
-  Section lines{"Lines", "", {}};
-  lines.arrays.push_back({"connectivity", "Int64", 1, points, [](std::int64_t i, auto& b) { append_binary(b, i); }});
-  lines.arrays.push_back(
-      {"offsets", "Int64", 1, count, [&](std::int64_t k, auto& b) { append_binary(b, first(curves, k + 1)); }});
+  const auto vectors = [&](std::string title, const Positions<double>& rows) {
+    return array<double, 3>(std::move(title), points,
+                            [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
+  };
+  const Section cells{"CellData", "", {reason("start", curves.start_reason), reason("end", curves.end_reason)}};
+  const Section data{
+      "PointData",
+      "",
+      {array<std::int32_t, 1>(
+           "face", points, [&](std::int64_t i, std::int32_t* x) { x[0] = curves.faces[static_cast<std::size_t>(i)]; }),
+       vectors("barycentric", curves.barycentric)}};
+  const Section places{"Points", "", {vectors("Points", curves.points)}};
+  const Section lines{
+      "Lines",
+      "",
+      {array<std::int64_t, 1>("connectivity", points, [](std::int64_t i, std::int64_t* x) { x[0] = i; }),
+       array<std::int64_t, 1>("offsets", count,
+                              [&](std::int64_t k, std::int64_t* x) { x[0] = first(curves, k + 1); })}};
   write_polydata(file, n,
                  "NumberOfPoints=\"" + std::to_string(points) + "\" NumberOfVerts=\"0\" NumberOfLines=\"" +
                      std::to_string(count) + "\" NumberOfStrips=\"0\" NumberOfPolys=\"0\"",

@@ -4,27 +4,33 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
+#include <memory>
 #include <string_view>
 #include <vector>
 
+#include "alcap/detail/atomic_file.h"
 #include "alcap/output.h"
 
 namespace alcap::detail {
 
-/// What is written, checked, with what several formats need of it.
+/// What is written, checked, with what several formats need of it. Formats run side by side.
 class FieldJob {
  public:
-  explicit FieldJob(const FieldOutput& output) : out(output) {}
+  /// With `with_faces`, at_faces() may be called.
+  FieldJob(const FieldOutput& output, bool with_faces);
 
   const FieldOutput& out;
 
-  /// The field at the barycenters in face frames, computed when first asked for.
-  [[nodiscard]] const Field<double>& at_faces();
+  /// The field at the barycenters in face frames.
+  [[nodiscard]] const Field<double>& at_faces() const { return at_faces_; }
 
  private:
-  std::optional<Field<double>> at_faces_;
+  Field<double> at_faces_;
 };
+
+/// Files with all of their bytes that do not have their names yet.
+using WrittenFiles = std::vector<std::unique_ptr<AtomicFile>>;
+[[nodiscard]] WrittenFiles open_files(const std::vector<std::filesystem::path>& paths);
 
 /// Where a format writes: `file` as given, `stem` without the extension, for files beside it.
 struct Target {
@@ -40,7 +46,8 @@ struct Target {
 
 struct OutputFormat {
   std::string_view extension;  ///< without the leading dot; where one ends with another, the longer comes first
-  std::vector<std::filesystem::path> (*write)(FieldJob& job, const Target& target);
+  bool uses_faces;             ///< whether write() calls job.at_faces()
+  WrittenFiles (*write)(const FieldJob& job, const Target& target);
 };
 
 extern const OutputFormat vertex_rawfield_format;

@@ -5,6 +5,7 @@
 #include "alcap/version.h"
 #include "output/format.h"
 #include "output/rows.h"
+#include "src/branches.h"
 
 namespace alcap::detail {
 namespace {
@@ -29,30 +30,33 @@ std::string header(const FieldOutput& out) {
   return text;
 }
 
-std::vector<std::filesystem::path> write(FieldJob& job, const Target& target) {
+WrittenFiles write(const FieldJob& job, const Target& target) {
   const FieldOutput& out = job.out;
-  AtomicFile file(target.file);
+  const Branches<double> branches(out.field.n);
+  WrittenFiles files = open_files({target.file});
+  AtomicFile& file = *files[0];
   file.write(header(out));
-  write_rows(file, out.mesh.vertices(), [&](std::int64_t i, std::string& bytes) {
+  write_table(file, out.mesh.vertices(), 14 * sizeof(double), [&](std::int64_t i, char* to) {
     const auto v = static_cast<Index>(i);
-    const Eigen::RowVector3d d = branch_vector(out.field, v, 0);
-    for (int c = 0; c < 3; ++c) append_binary(bytes, out.V(v, c));
-    for (int c = 0; c < 3; ++c) append_binary(bytes, out.field.frames->N(v, c));
-    for (int c = 0; c < 3; ++c) append_binary(bytes, out.field.frames->X(v, c));
-    append_binary(bytes, out.field.u[v].real());
-    append_binary(bytes, out.field.u[v].imag());
-    for (int c = 0; c < 3; ++c) append_binary(bytes, d[c]);
+    const Eigen::RowVector3d d = branches.at(out.field, v).vector(0);
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.V(v, c));
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->N(v, c));
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->X(v, c));
+    to = put_binary(to, out.field.u[v].real());
+    to = put_binary(to, out.field.u[v].imag());
+    for (int c = 0; c < 3; ++c) to = put_binary(to, d[c]);
+    return to;
   });
-  write_rows(file, out.mesh.faces(), [&](std::int64_t t, std::string& bytes) {
-    append_binary(bytes, std::uint8_t{3});
-    for (int c = 0; c < 3; ++c) append_binary(bytes, std::int32_t{out.mesh.F()(t, c)});
+  write_table(file, out.mesh.faces(), 1 + 3 * sizeof(std::int32_t), [&](std::int64_t t, char* to) {
+    to = put_binary(to, std::uint8_t{3});
+    for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{out.mesh.F()(t, c)});
+    return to;
   });
-  file.commit();
-  return {target.file};
+  return files;
 }
 
 }  // namespace
 
-const OutputFormat ply_field_format = {"ply", write};
+const OutputFormat ply_field_format = {"ply", false, write};
 
 }  // namespace alcap::detail

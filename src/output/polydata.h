@@ -3,8 +3,11 @@
 // polydata.h: VTK's XML PolyData with raw appended data, section by section. Internal to the formats that write it.
 #pragma once
 
+#include <array>
 #include <functional>
 #include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "output/rows.h"
@@ -13,20 +16,38 @@ namespace alcap::detail {
 
 namespace polydata {
 
-using Append = std::function<void(std::int64_t row, std::string& bytes)>;
-
-// One DataArray: its declaration, and how to append a row of its bytes.
+// One DataArray: its declaration, and how to write the bytes of the rows [begin, end).
 struct Array {
   std::string name;
   std::string_view type;  // "Float64", "Int32", "Int64", "UInt8"
   int components;
   std::int64_t rows;
-  Append append;
+  std::size_t row_bytes;
+  std::function<void(std::int64_t begin, std::int64_t end, char* to)> fill;
 
-  [[nodiscard]] std::int64_t bytes() const {
-    return rows * components * (type == "Float64" || type == "Int64" ? 8 : type == "Int32" ? 4 : 1);
-  }
+  [[nodiscard]] std::int64_t bytes() const { return rows * static_cast<std::int64_t>(row_bytes); }
 };
+
+template <class Number>
+constexpr std::string_view type_name() {
+  if constexpr (std::is_same_v<Number, double>) return "Float64";
+  if constexpr (std::is_same_v<Number, std::int64_t>) return "Int64";
+  if constexpr (std::is_same_v<Number, std::int32_t>) return "Int32";
+  if constexpr (std::is_same_v<Number, std::uint8_t>) return "UInt8";
+}
+
+// An array whose row i is what row(i, numbers) puts into its `components` numbers.
+template <class Number, int components, class Row>
+Array array(std::string name, std::int64_t rows, Row row) {
+  const auto fill = [row](std::int64_t begin, std::int64_t end, char* to) {
+    for (std::int64_t i = begin; i < end; ++i) {
+      Number numbers[components];
+      row(i, numbers);
+      for (const Number& x : numbers) to = put_binary(to, x);
+    }
+  };
+  return {std::move(name), type_name<Number>(), components, rows, components * sizeof(Number), fill};
+}
 
 // A section of arrays, such as PointData.
 struct Section {
@@ -82,18 +103,18 @@ inline void write_polydata(AtomicFile& file, int n, std::string_view counts, con
   file.write(text);
   for (const Section& section : sections) {
     for (const Array& a : section.arrays) {
-      std::string length;
-      append_binary(length, static_cast<std::uint64_t>(a.bytes()));
-      file.write(length);
-      write_rows(file, a.rows, a.append);
+      std::array<char, sizeof(std::uint64_t)> length;
+      put_binary(length.data(), static_cast<std::uint64_t>(a.bytes()));
+      file.write({length.data(), length.size()});
+      write_ranges(file, a.rows, a.row_bytes, a.fill);
     }
   }
   file.write("\n  </AppendedData>\n</VTKFile>\n");
 }
 
 template <class Vector>
-void append_vector(std::string& bytes, const Vector& d) {
-  for (int c = 0; c < 3; ++c) append_binary(bytes, static_cast<double>(d[c]));
+void put_vector(double* to, const Vector& d) {
+  for (int c = 0; c < 3; ++c) to[c] = d[c];
 }
 
 }  // namespace polydata

@@ -7,8 +7,12 @@
 // Directional takes rows per face as a face-based field, whose singularities are vertices, and rows per vertex as a
 // vertex-based one, whose singularities are faces. The face-based pair is the default, and its singular vertices are
 // found from the very rows in the file, so both files agree.
+#include <cstring>
+#include <vector>
+
 #include "output/format.h"
 #include "output/rows.h"
+#include "src/branches.h"
 
 namespace alcap::detail {
 namespace {
@@ -19,15 +23,52 @@ struct Pole {
   int index;
 };
 
+// A number and the blank after it.
+constexpr std::size_t longest_entry = longest_number + 1;
+
+// Writes the number [from, from + length) with the opposite sign.
+char* put_opposite(const char* from, std::size_t length, char* to) {
+  if (*from == '-') {
+    ++from;
+    --length;
+  } else if (length > 2 || *from != '0') {  // 0 has no sign
+    *to++ = '-';
+  }
+  std::memmove(to, from, longest_entry);  // in one piece; what is too much is written over
+  return to + length;
+}
+
 // Every line ends with a newline, also the last: Directional's reader reports failure at a file that ends in a digit.
 void write_raw(AtomicFile& file, const Field<double>& field) {
   const int n = field.n;
+  const Branches<double> branches(n);
   file.write(std::to_string(n) + " " + std::to_string(field.u.size()) + "\n");
-  write_rows(file, field.u.size(), [&](std::int64_t i, std::string& text) {
-    for (int k = 0; k < n; ++k) {
-      const Eigen::RowVector3d d = branch_vector(field, static_cast<Index>(i), k);
-      for (int c = 0; c < 3; ++c) append_text(text, d[c]), text += c == 2 && k + 1 == n ? '\n' : ' ';
+  // One more entry, for what put_opposite() copies too much.
+  const std::size_t most = (3 * static_cast<std::size_t>(n) + 1) * longest_entry;
+  write_ranges(file, field.u.size(), most, [&](std::int64_t begin, std::int64_t end, char* to) {
+    std::vector<std::size_t> lengths;
+    for (std::int64_t i = begin; i < end; ++i) {
+      const auto here = branches.at(field, static_cast<Index>(i));
+      const char* from = to;
+      lengths.clear();
+      for (int k = 0; k < branches.independent(); ++k) {
+        const Eigen::RowVector3d d = here.vector(k);
+        for (int c = 0; c < 3; ++c) {
+          const char* const start = to;
+          to = put_text(to, d[c]);
+          *to++ = ' ';
+          lengths.push_back(static_cast<std::size_t>(to - start));
+        }
+      }
+      if (branches.independent() < n) {
+        for (const std::size_t length : lengths) {
+          to = put_opposite(from, length, to);
+          from += length;
+        }
+      }
+      to[-1] = '\n';
     }
+    return to;
   });
 }
 
@@ -36,18 +77,15 @@ void write_sings(AtomicFile& file, int n, const std::vector<Pole>& poles) {
   for (const Pole& p : poles) file.write(std::to_string(p.element) + " " + std::to_string(p.index) + "\n");
 }
 
-std::vector<std::filesystem::path> write(const Field<double>& field, const std::vector<Pole>& poles,
-                                         const Target& target, std::string_view sings_extension) {
-  const std::filesystem::path sings_path = target.beside(sings_extension);
-  AtomicFile raw(target.file), sings(sings_path);
-  write_raw(raw, field);
-  write_sings(sings, field.n, poles);
-  raw.commit();
-  sings.commit();
-  return {target.file, sings_path};
+WrittenFiles write(const Field<double>& field, const std::vector<Pole>& poles, const Target& target,
+                   std::string_view sings_extension) {
+  WrittenFiles files = open_files({target.file, target.beside(sings_extension)});
+  write_raw(*files[0], field);
+  write_sings(*files[1], field.n, poles);
+  return files;
 }
 
-std::vector<std::filesystem::path> write_per_face(FieldJob& job, const Target& target) {
+WrittenFiles write_per_face(const FieldJob& job, const Target& target) {
   const Field<double>& field = job.at_faces();
   const std::vector<int> indices = vertex_indices(job.out.mesh, job.out.geometry, field);
   std::vector<Pole> poles;
@@ -57,7 +95,7 @@ std::vector<std::filesystem::path> write_per_face(FieldJob& job, const Target& t
   return write(field, poles, target, ".sings");
 }
 
-std::vector<std::filesystem::path> write_per_vertex(FieldJob& job, const Target& target) {
+WrittenFiles write_per_vertex(const FieldJob& job, const Target& target) {
   std::vector<Pole> poles;
   for (const Singularity& s : job.out.singularities) poles.push_back({s.face, s.index});
   return write(job.out.field, poles, target, ".vertex.sings");
@@ -65,7 +103,7 @@ std::vector<std::filesystem::path> write_per_vertex(FieldJob& job, const Target&
 
 }  // namespace
 
-const OutputFormat rawfield_format = {"rawfield", write_per_face};
-const OutputFormat vertex_rawfield_format = {"vertex.rawfield", write_per_vertex};
+const OutputFormat rawfield_format = {"rawfield", true, write_per_face};
+const OutputFormat vertex_rawfield_format = {"vertex.rawfield", false, write_per_vertex};
 
 }  // namespace alcap::detail

@@ -3,9 +3,11 @@
 // registry.cpp: the list of output formats, the choice by extension, and the checks that all of them share.
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <set>
 
 #include "alcap/output.h"
+#include "alcap/parallel.h"
 #include "output/format.h"
 
 namespace alcap {
@@ -54,6 +56,24 @@ void check_size(const char* what, std::int64_t size, std::int64_t expected) {
   }
 }
 
+void check_finite(const FieldOutput& out) {
+  const auto finite = [&](Index v) {
+    return std::isfinite(out.field.u[v].real()) && std::isfinite(out.field.u[v].imag()) && out.V.row(v).allFinite();
+  };
+  const Index first = parallel_reduce(
+      std::int64_t{out.mesh.vertices()}, none,
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto v = static_cast<Index>(begin); v < end; ++v)
+          if (!finite(v)) return v;
+        return none;
+      },
+      [](Index a, Index b) { return a == none ? b : a; });
+  if (first == none) return;
+  const std::string vertex = "vertex " + std::to_string(first) + " must have a finite ";
+  if (out.V.row(first).allFinite()) throw OptionError("field.u", "not finite", vertex + "value");
+  throw OptionError("V", "not finite", vertex + "position");
+}
+
 void check(const FieldOutput& out) {
   const Index vertices = out.mesh.vertices(), faces = out.mesh.faces();
   if (out.field.n < 1) throw OptionError("field.n", std::to_string(out.field.n), "must be at least 1");
@@ -64,15 +84,7 @@ void check(const FieldOutput& out) {
   if (!out.field.frames) throw OptionError("field.frames", "none", "vectors in space need frames: see vertex_frames()");
   check_size("field.frames.X", out.field.frames->X.rows(), vertices);
   check_size("field.frames.N", out.field.frames->N.rows(), vertices);
-  for (Index v = 0; v < vertices; ++v) {
-    const Complex<double> u = out.field.u[v];
-    if (!std::isfinite(u.real()) || !std::isfinite(u.imag())) {
-      throw OptionError("field.u", "not finite", "vertex " + std::to_string(v) + " must have a finite value");
-    }
-    if (!out.V.row(v).allFinite()) {
-      throw OptionError("V", "not finite", "vertex " + std::to_string(v) + " must have a finite position");
-    }
-  }
+  check_finite(out);
   for (const Singularity& s : out.singularities) {
     if (s.face < 0 || s.face >= faces) {
       throw OptionError("singularities", "face " + std::to_string(s.face), "must be a face of this mesh");
@@ -90,12 +102,16 @@ void check(const FieldOutput& out) {
 
 }  // namespace
 
-const Field<double>& FieldJob::at_faces() {
-  if (!at_faces_) {
-    at_faces_ = alcap::at_faces(out.mesh, out.geometry, out.connection, out.field,
-                                std::make_shared<const Frames<double>>(face_frames(out.mesh, out.V)));
-  }
-  return *at_faces_;
+FieldJob::FieldJob(const FieldOutput& output, bool with_faces) : out(output) {
+  if (!with_faces) return;
+  at_faces_ = alcap::at_faces(out.mesh, out.geometry, out.connection, out.field,
+                              std::make_shared<const Frames<double>>(face_frames(out.mesh, out.V)));
+}
+
+WrittenFiles open_files(const std::vector<std::filesystem::path>& paths) {
+  WrittenFiles files;
+  for (const auto& path : paths) files.push_back(std::make_unique<AtomicFile>(path));
+  return files;
 }
 
 std::string_view connection_name(ConnectionKind kind) {
@@ -116,17 +132,39 @@ std::string_view connection_name(ConnectionKind kind) {
 
 std::vector<std::filesystem::path> write_field(const FieldOutput& output,
                                                std::span<const std::filesystem::path> files) {
-  for (const auto& file : files) static_cast<void>(detail::choose_format(file));  // before anything is written
+  bool with_faces = false;
+  for (const auto& file : files)
+    with_faces |= detail::choose_format(file).uses_faces;  // throws before anything is done
   detail::check(output);
-  detail::FieldJob job(output);
-  std::vector<std::filesystem::path> written;
-  for (const auto& file : files) {
-    const detail::OutputFormat& format = detail::choose_format(file);
-    const std::string name = file.filename().string();
-    const detail::Target target{file, file.parent_path() / name.substr(0, name.size() - format.extension.size() - 1)};
-    for (auto& path : format.write(job, target)) written.push_back(std::move(path));
-  }
-  return written;
+  const detail::FieldJob job(output, with_faces);
+  // Files are written side by side: while the system takes the bytes of one, another one's numbers are formatted. An
+  // exception must not reach the loop, which would end the loops inside the other writers early.
+  std::vector<detail::WrittenFiles> written(files.size());
+  std::vector<std::exception_ptr> errors(files.size());
+  parallel_for(
+      static_cast<std::int64_t>(files.size()),
+      [&](std::int64_t i) {
+        const auto k = static_cast<std::size_t>(i);
+        try {
+          const detail::OutputFormat& format = detail::choose_format(files[k]);
+          const std::string name = files[k].filename().string();
+          const std::string stem = name.substr(0, name.size() - format.extension.size() - 1);
+          written[k] = format.write(job, {files[k], files[k].parent_path() / stem});
+          for (const auto& file : written[k]) file->complete();
+        } catch (...) {
+          errors[k] = std::current_exception();
+        }
+      },
+      1);
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
+  std::vector<std::filesystem::path> paths;
+  for (const detail::WrittenFiles& group : written)
+    for (const auto& file : group) {
+      file->commit();
+      paths.push_back(file->target());
+    }
+  return paths;
 }
 
 std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file) {

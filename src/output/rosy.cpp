@@ -5,25 +5,31 @@
 // where the field is.
 #include "output/format.h"
 #include "output/rows.h"
+#include "src/branches.h"
 
 namespace alcap::detail {
 namespace {
 
-std::vector<std::filesystem::path> write(FieldJob& job, const Target& target) {
+WrittenFiles write(const FieldJob& job, const Target& target) {
   const Field<double>& field = job.at_faces();
-  AtomicFile file(target.file);
+  const Branches<double> branches(field.n);
+  WrittenFiles files = open_files({target.file});
+  AtomicFile& file = *files[0];
   file.write(std::to_string(field.u.size()) + "\n" + std::to_string(field.n) + "\n");
-  write_rows(file, field.u.size(), [&](std::int64_t i, std::string& text) {
-    Eigen::RowVector3d d = branch_vector(field, static_cast<Index>(i), 0);
+  write_table(file, field.u.size(), 3 * (longest_number + 1), [&](std::int64_t i, char* to) {
+    Eigen::RowVector3d d = branches.at(field, static_cast<Index>(i)).vector(0);
     if (d != Eigen::RowVector3d::Zero()) d.stableNormalize();
-    for (int c = 0; c < 3; ++c) append_text(text, d[c]), text += c == 2 ? '\n' : ' ';
+    for (int c = 0; c < 3; ++c) {
+      to = put_text(to, d[c]);
+      *to++ = c == 2 ? '\n' : ' ';
+    }
+    return to;
   });
-  file.commit();
-  return {target.file};
+  return files;
 }
 
 }  // namespace
 
-const OutputFormat rosy_format = {"rosy", write};
+const OutputFormat rosy_format = {"rosy", true, write};
 
 }  // namespace alcap::detail

@@ -4,6 +4,7 @@
 // points. Field data "n" holds the number of branches.
 #include "output/format.h"
 #include "output/polydata.h"
+#include "src/branches.h"
 
 namespace alcap::detail {
 namespace {
@@ -11,45 +12,48 @@ namespace {
 using namespace polydata;
 
 Array scalars(std::string name, std::int64_t rows, const double* values) {
-  return {std::move(name), "Float64", 1, rows, [values](std::int64_t i, auto& b) { append_binary(b, values[i]); }};
+  return array<double, 1>(std::move(name), rows, [values](std::int64_t i, double* x) { x[0] = values[i]; });
+}
+
+Array vectors(std::string name, const Positions<double>& rows) {
+  return array<double, 3>(std::move(name), rows.rows(),
+                          [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
 }
 
 void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<std::int32_t>& index) {
   const Field<double>& field = out.field;
+  const Branches<double> branches(field.n);
   const std::int64_t vertices = out.mesh.vertices(), faces = out.mesh.faces();
 
-  Section points{"Points", "", {}};
-  points.arrays.push_back(
-      {"Points", "Float64", 3, vertices, [&](std::int64_t v, auto& b) { append_vector(b, out.V.row(v)); }});
-
-  Section polys{"Polys", "", {}};
-  polys.arrays.push_back({"connectivity", "Int32", 1, 3 * faces, [&](std::int64_t h, auto& b) {
-                            append_binary(b, std::int32_t{out.mesh.tail(static_cast<Index>(h))});
-                          }});
-  polys.arrays.push_back({"offsets", "Int32", 1, faces,
-                          [](std::int64_t t, auto& b) { append_binary(b, static_cast<std::int32_t>(3 * (t + 1))); }});
+  const Section points{"Points", "", {vectors("Points", out.V)}};
+  const Section polys{
+      "Polys",
+      "",
+      {array<std::int32_t, 1>("connectivity", 3 * faces,
+                              [&](std::int64_t h, std::int32_t* x) { x[0] = out.mesh.tail(static_cast<Index>(h)); }),
+       array<std::int32_t, 1>("offsets", faces,
+                              [](std::int64_t t, std::int32_t* x) { x[0] = static_cast<std::int32_t>(3 * (t + 1)); })}};
 
   Section at_points{"PointData", " Scalars=\"magnitude\" Vectors=\"d_0\" Normals=\"normal\"", {}};
   for (int k = 0; k < field.n; ++k) {
-    at_points.arrays.push_back({"d_" + std::to_string(k), "Float64", 3, vertices, [&field, k](std::int64_t v, auto& b) {
-                                  append_vector(b, branch_vector(field, static_cast<Index>(v), k));
-                                }});
+    at_points.arrays.push_back(
+        array<double, 3>("d_" + std::to_string(k), vertices, [&branches, &field, k](std::int64_t v, double* x) {
+          put_vector(x, branches.at(field, static_cast<Index>(v)).vector(k));
+        }));
   }
   at_points.arrays.push_back(
-      {"magnitude", "Float64", 1, vertices, [&](std::int64_t v, auto& b) { append_binary(b, std::abs(field.u[v])); }});
-  at_points.arrays.push_back({"u", "Float64", 2, vertices, [&](std::int64_t v, auto& b) {
-                                append_binary(b, field.u[v].real());
-                                append_binary(b, field.u[v].imag());
-                              }});
-  at_points.arrays.push_back(
-      {"axis", "Float64", 3, vertices, [&](std::int64_t v, auto& b) { append_vector(b, field.frames->X.row(v)); }});
-  at_points.arrays.push_back(
-      {"normal", "Float64", 3, vertices, [&](std::int64_t v, auto& b) { append_vector(b, field.frames->N.row(v)); }});
+      array<double, 1>("magnitude", vertices, [&](std::int64_t v, double* x) { x[0] = std::abs(field.u[v]); }));
+  at_points.arrays.push_back(array<double, 2>("u", vertices, [&](std::int64_t v, double* x) {
+    x[0] = field.u[v].real();
+    x[1] = field.u[v].imag();
+  }));
+  at_points.arrays.push_back(vectors("axis", field.frames->X));
+  at_points.arrays.push_back(vectors("normal", field.frames->N));
 
   Section in_faces{"CellData", "", {}};
   in_faces.arrays.push_back(scalars("K", faces, out.connection.K.data()));
-  in_faces.arrays.push_back({"index", "Int32", 1, faces,
-                             [&](std::int64_t t, auto& b) { append_binary(b, index[static_cast<std::size_t>(t)]); }});
+  in_faces.arrays.push_back(array<std::int32_t, 1>(
+      "index", faces, [&](std::int64_t t, std::int32_t* x) { x[0] = index[static_cast<std::size_t>(t)]; }));
   for (const FaceScalars& s : out.face_scalars) in_faces.arrays.push_back(scalars(s.name, faces, s.values.data()));
 
   write_polydata(file, field.n,
@@ -62,33 +66,31 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
 void write_singularities(AtomicFile& file, const FieldOutput& out) {
   const auto at = [&](std::int64_t i) -> const Singularity& { return out.singularities[static_cast<std::size_t>(i)]; };
   const auto count = static_cast<std::int64_t>(out.singularities.size());
+  const auto counting = [&](std::string name, std::int32_t from) {
+    return array<std::int32_t, 1>(std::move(name), count, [from](std::int64_t i, std::int32_t* x) {
+      x[0] = from + static_cast<std::int32_t>(i);
+    });
+  };
 
-  Section points{"Points", "", {}};
-  points.arrays.push_back({"Points", "Float64", 3, count, [&](std::int64_t i, auto& b) {
-                             Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-                             for (int c = 0; c < 3; ++c) {
-                               x += at(i).barycentric[static_cast<std::size_t>(c)] *
-                                    out.V.row(out.mesh.F()(at(i).face, c));
-                             }
-                             append_vector(b, x);
-                           }});
-  Section verts{"Verts", "", {}};
-  verts.arrays.push_back({"connectivity", "Int32", 1, count,
-                          [](std::int64_t i, auto& b) { append_binary(b, static_cast<std::int32_t>(i)); }});
-  verts.arrays.push_back({"offsets", "Int32", 1, count,
-                          [](std::int64_t i, auto& b) { append_binary(b, static_cast<std::int32_t>(i + 1)); }});
-
-  Section data{"PointData", " Scalars=\"index\"", {}};
-  data.arrays.push_back(
-      {"index", "Int32", 1, count, [&](std::int64_t i, auto& b) { append_binary(b, std::int32_t{at(i).index}); }});
-  data.arrays.push_back(
-      {"orientation", "Float64", 1, count, [&](std::int64_t i, auto& b) { append_binary(b, at(i).orientation); }});
-  data.arrays.push_back(
-      {"face", "Int32", 1, count, [&](std::int64_t i, auto& b) { append_binary(b, std::int32_t{at(i).face}); }});
-  data.arrays.push_back({"barycentric", "Float64", 3, count,
-                         [&](std::int64_t i, auto& b) { append_vector(b, at(i).barycentric.data()); }});
-  data.arrays.push_back({"located", "UInt8", 1, count,
-                         [&](std::int64_t i, auto& b) { append_binary(b, static_cast<std::uint8_t>(at(i).located)); }});
+  const Section points{"Points", "", {array<double, 3>("Points", count, [&](std::int64_t i, double* x) {
+                         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+                         for (int c = 0; c < 3; ++c) {
+                           sum +=
+                               at(i).barycentric[static_cast<std::size_t>(c)] * out.V.row(out.mesh.F()(at(i).face, c));
+                         }
+                         put_vector(x, sum);
+                       })}};
+  const Section verts{"Verts", "", {counting("connectivity", 0), counting("offsets", 1)}};
+  const Section data{
+      "PointData",
+      " Scalars=\"index\"",
+      {array<std::int32_t, 1>("index", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).index; }),
+       array<double, 1>("orientation", count, [&](std::int64_t i, double* x) { x[0] = at(i).orientation; }),
+       array<std::int32_t, 1>("face", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).face; }),
+       array<double, 3>("barycentric", count,
+                        [&](std::int64_t i, double* x) { put_vector(x, at(i).barycentric.data()); }),
+       array<std::uint8_t, 1>("located", count,
+                              [&](std::int64_t i, std::uint8_t* x) { x[0] = at(i).located ? 1 : 0; })}};
 
   const std::string number = std::to_string(count);
   write_polydata(file, out.field.n,
@@ -97,21 +99,18 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
                  {data, points, verts});
 }
 
-std::vector<std::filesystem::path> write(FieldJob& job, const Target& target) {
+WrittenFiles write(const FieldJob& job, const Target& target) {
   std::vector<std::int32_t> index(static_cast<std::size_t>(job.out.mesh.faces()), 0);
   for (const Singularity& s : job.out.singularities) index[static_cast<std::size_t>(s.face)] = s.index;
 
-  const std::filesystem::path beside = target.beside("_singularities.vtp");
-  AtomicFile surface(target.file), singularities(beside);
-  write_surface(surface, job.out, index);
-  write_singularities(singularities, job.out);
-  surface.commit();
-  singularities.commit();
-  return {target.file, beside};
+  WrittenFiles files = open_files({target.file, target.beside("_singularities.vtp")});
+  write_surface(*files[0], job.out, index);
+  write_singularities(*files[1], job.out);
+  return files;
 }
 
 }  // namespace
 
-const OutputFormat vtp_format = {"vtp", write};
+const OutputFormat vtp_format = {"vtp", false, write};
 
 }  // namespace alcap::detail

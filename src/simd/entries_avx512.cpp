@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// entries_avx512.cpp: the loop of entries_impl.h over 64-byte packs, compiled with the flags of AVX-512.
+// entries_avx512.cpp: the loops of entries_impl.h and angles_impl.h over 64-byte packs, compiled with the flags of
+// AVX-512.
+#include "src/simd/angles_impl.h"
 #include "src/simd/entries_impl.h"
 
 #if defined(__x86_64__)
@@ -11,6 +13,20 @@ void entries_avx512(long long begin, long long end, const RawEntries<float>& e) 
 }
 void entries_avx512(long long begin, long long end, const RawEntries<double>& e) {
   entries_of_range<kernels::Pack<double, 8, kernels::isa::Avx512>>(begin, end, e);
+}
+
+void upper_angles_avx512(long long count, const float* y, const float* x, float* out) {
+  upper_angles_of<kernels::Pack<float, 16, kernels::isa::Avx512>>(count, y, x, out);
+}
+void upper_angles_avx512(long long count, const double* y, const double* x, double* out) {
+  upper_angles_of<kernels::Pack<double, 8, kernels::isa::Avx512>>(count, y, x, out);
+}
+
+void units_avx512(long long count, const float* angle, float factor, float* out) {
+  units_of<kernels::Pack<float, 16, kernels::isa::Avx512>>(count, angle, factor, out);
+}
+void units_avx512(long long count, const double* angle, double factor, double* out) {
+  units_of<kernels::Pack<double, 8, kernels::isa::Avx512>>(count, angle, factor, out);
 }
 
 }  // namespace alcap::detail::simd

@@ -20,13 +20,29 @@ struct RawEntries {
 
 void entries_scalar(long long begin, long long end, const RawEntries<float>& e);
 void entries_scalar(long long begin, long long end, const RawEntries<double>& e);
+void upper_angles_scalar(long long count, const float* y, const float* x, float* out);
+void upper_angles_scalar(long long count, const double* y, const double* x, double* out);
+void units_scalar(long long count, const float* angle, float factor, float* out);
+void units_scalar(long long count, const double* angle, double factor, double* out);
 #if defined(__x86_64__)
 void entries_sse2(long long begin, long long end, const RawEntries<float>& e);
 void entries_sse2(long long begin, long long end, const RawEntries<double>& e);
+void upper_angles_sse2(long long count, const float* y, const float* x, float* out);
+void upper_angles_sse2(long long count, const double* y, const double* x, double* out);
+void units_sse2(long long count, const float* angle, float factor, float* out);
+void units_sse2(long long count, const double* angle, double factor, double* out);
 void entries_avx2(long long begin, long long end, const RawEntries<float>& e);
 void entries_avx2(long long begin, long long end, const RawEntries<double>& e);
+void upper_angles_avx2(long long count, const float* y, const float* x, float* out);
+void upper_angles_avx2(long long count, const double* y, const double* x, double* out);
+void units_avx2(long long count, const float* angle, float factor, float* out);
+void units_avx2(long long count, const double* angle, double factor, double* out);
 void entries_avx512(long long begin, long long end, const RawEntries<float>& e);
 void entries_avx512(long long begin, long long end, const RawEntries<double>& e);
+void upper_angles_avx512(long long count, const float* y, const float* x, float* out);
+void upper_angles_avx512(long long count, const double* y, const double* x, double* out);
+void units_avx512(long long count, const float* angle, float factor, float* out);
+void units_avx512(long long count, const double* angle, double factor, double* out);
 #endif
 
 }  // namespace alcap::detail::simd

@@ -27,14 +27,25 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile();
 
-  /// Appends bytes (buffered).
+  /// Appends bytes (buffered unless there are many).
   void write(std::string_view bytes) {
+    if (bytes.size() >= buffer_bytes / 16) {
+      flush();
+      flush(bytes);
+      return;
+    }
     buffer_.append(bytes);
     if (buffer_.size() >= buffer_bytes) flush();
   }
 
-  /// Writes what is left, closes and renames. Call it once, last.
+  /// Writes what is left and closes; nothing but commit() may follow. Errors of a full disk are known after it.
+  void complete();
+
+  /// complete(), unless that has been called, and renames. Call it once, last.
   void commit();
+
+  /// The target as it was given.
+  [[nodiscard]] const std::filesystem::path& target() const { return target_; }
 
   /// Bytes accepted so far.
   [[nodiscard]] std::int64_t size() const { return flushed_ + static_cast<std::int64_t>(buffer_.size()); }
@@ -43,6 +54,7 @@ class AtomicFile {
   static constexpr std::size_t buffer_bytes = std::size_t{1} << 20;  // large enough that the calls cost nothing
 
   void flush();
+  void flush(std::string_view bytes);
   void discard() noexcept;
   [[noreturn]] void fail(const std::string& what, int error);
 
@@ -52,6 +64,7 @@ class AtomicFile {
   std::string buffer_;
   std::int64_t flushed_ = 0;
   int descriptor_ = -1;
+  bool complete_ = false;
 };
 
 }  // namespace alcap::detail

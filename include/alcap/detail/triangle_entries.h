@@ -13,20 +13,10 @@
 
 #include <complex>
 #include <cstdint>
-#include <vector>
+
+#include "alcap/detail/isa.h"
 
 namespace alcap::detail {
-
-/// Instruction sets with a compiled copy of the loop: one triangle at a time; 16-, 32- and 64-byte packs.
-enum class Isa { scalar, sse2, avx2, avx512 };
-
-/// The sets this machine can run, slowest first; always begins with scalar.
-[[nodiscard]] std::vector<Isa> available_isas();
-
-/// The last of available_isas(), found once.
-[[nodiscard]] Isa best_isa();
-
-[[nodiscard]] const char* name(Isa isa);
 
 /// Per face f; arrays of float or double.
 template <class T>
