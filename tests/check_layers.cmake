@@ -64,7 +64,7 @@ set(doors
   "^httplib\\.h$ = ^apps/alcap/studio_server\\.cpp$"
   "^omp\\.h$ = ^$")
 # C and POSIX headers whose names have no slash but a .h. Public headers use none.
-set(system_headers fcntl.h unistd.h dlfcn.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
+set(system_headers fcntl.h unistd.h dlfcn.h malloc.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
 
 set(problems)
 macro(problem)

@@ -52,7 +52,8 @@ struct FieldOutput {
 /// match, no frames, a value that is not finite). When it throws, no incomplete file is left behind.
 std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file);
 
-/// The same for several files; what they share, such as the field at the faces, is computed once.
+/// The same for several files, written side by side; what they share, such as the field at the faces, is computed once.
+/// When it throws, none of them has appeared.
 std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::span<const std::filesystem::path> files);
 
 /// The extensions that write_field knows, without the leading dot.

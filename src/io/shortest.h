@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// shortest.h: the shortest decimal number that reads back as a given double: the text of std::to_chars, about three
-// times as fast for numbers of everyday size.
+// shortest.h: the shortest decimal number that reads back as a given double: the text of std::to_chars in two
+// thirds of its time, for numbers of everyday size.
 //
 // R. Giulietti, "The Schubfach way to render doubles", 2020: the double and the ends of the interval that rounds to it
 // are scaled by one power of ten, kept to 126 bits, and compared as integers. Only powers that are exact in 126 bits
@@ -13,6 +13,8 @@
 #include <charconv>
 #include <cstdint>
 #include <cstring>
+
+#include "io/bytes.h"
 
 namespace alcap::detail {
 
@@ -85,22 +87,14 @@ inline Decimal decimal(std::uint64_t c, int q) {
   return {down != up ? ten : one, k};
 }
 
-/// Eight digits, leading zeros included.
-inline void put_eight(char* to, std::uint32_t value) {
-  constexpr auto pairs = [] {
-    std::array<char, 200> table = {};
-    for (std::size_t i = 0; i < 100; ++i) {
-      table[2 * i] = static_cast<char>('0' + i / 10);
-      table[2 * i + 1] = static_cast<char>('0' + i % 10);
-    }
-    return table;
-  }();
-  const std::uint32_t high = value / 10000, low = value % 10000;
-  const auto put = [&](char* at, std::uint32_t pair) { std::memcpy(at, pairs.data() + 2 * pair, 2); };
-  put(to, high / 100);
-  put(to + 2, high % 100);
-  put(to + 4, low / 100);
-  put(to + 6, low % 100);
+/// Eight digits, leading zeros included: halved three times, all parts at once.
+inline void put_eight(char* to, std::uint64_t value) {
+  const std::uint64_t fours = value / 10000 | value % 10000 << 32;
+  const std::uint64_t hundreds = fours * 10486 >> 20 & 0x7F0000007F;  // n / 100 for n < 10^4
+  const std::uint64_t twos = hundreds | (fours - 100 * hundreds) << 16;
+  const std::uint64_t tens = twos * 103 >> 10 & 0x000F000F000F000F;  // n / 10 for n < 100
+  const auto text = little_endian(0x3030303030303030 + (tens | (twos - 10 * tens) << 8));
+  std::memcpy(to, text.data(), text.size());
 }
 
 }  // namespace shortest
@@ -119,17 +113,17 @@ inline char* put_shortest(char* to, double value) {
   constexpr std::uint64_t ten8 = 100000000, ten16 = ten8 * ten8;
   const auto put_digits = [&](char* at) {
     at[0] = static_cast<char>('0' + digits / ten16);
-    shortest::put_eight(at + 1, static_cast<std::uint32_t>(digits % ten16 / ten8));
-    shortest::put_eight(at + 9, static_cast<std::uint32_t>(digits % ten8));
+    shortest::put_eight(at + 1, digits / ten8 % ten8);
+    shortest::put_eight(at + 9, digits % ten8);
   };
   const int length = digits >= ten16 ? 17 : 16;
   if (const int zeros = -length - power; digits >= ten16 / 10 && zeros >= 0 && zeros <= 3) {
     char* const start = to + (bits >> 63);
     char* end = start + 2 + zeros + length;
-    put_digits(end - 17);
     *to = '-';
-    std::memcpy(start, "0.", 2);
-    for (int i = 0; i < zeros; ++i) start[2 + i] = '0';
+    std::memcpy(start, "0.000", 5);
+    put_digits(end - 17);
+    start[1] = '.';  // a zero in front of 16 digits may have been put there
     while (end[-1] == '0') --end;
     if (end - start > 2 + zeros + 1) return end;
     return slowly();  // a single digit may be shorter in the scientific form
