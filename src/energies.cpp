@@ -67,14 +67,6 @@ Complex<T> product(const Complex<T>& a, const Complex<T>& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
-// Sum of a value over the corners of vertex v.
-template <class T, class Value>
-T sum_at_vertex(const Mesh& mesh, std::int64_t v, Value&& value) {
-  T sum = 0;
-  mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) { sum += value(h); });
-  return sum;
-}
-
 // Writes value to (i, j) and its conjugate to (j, i) for the canonical halfedge i -> j of e.
 template <class T>
 void set_pair(SparseMatrix<Complex<T>>& A, const HermitianPattern& pattern, std::int64_t e, Complex<T> value) {
@@ -110,10 +102,14 @@ StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pa
     set_pair(out.M, pattern, e, product(phase, m));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
+    T stiffness = 0, area = 0;
+    mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) {
+      stiffness += entries.stiffness_diagonal[static_cast<std::size_t>(h)];
+      area += geometry.area(h / 3);
+    });
     const Index slot = pattern.diagonal(static_cast<Index>(v));
-    out.S.valuePtr()[slot] =
-        sum_at_vertex<T>(mesh, v, [&](Index h) { return entries.stiffness_diagonal[static_cast<std::size_t>(h)]; });
-    out.M.valuePtr()[slot] = sum_at_vertex<T>(mesh, v, [&](Index h) { return geometry.area(h / 3) / 6; });
+    out.S.valuePtr()[slot] = stiffness;
+    out.M.valuePtr()[slot] = area / 6;
   });
   return out;
 }
@@ -135,8 +131,9 @@ SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh& mesh, const Hermitia
     set_pair(A, pattern, e, product(phase, c));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
-    A.valuePtr()[pattern.diagonal(static_cast<Index>(v))] =
-        sum_at_vertex<T>(mesh, v, [&](Index h) { return T(n) * connection.K[h / 3] / 6; });
+    T curvature = 0;
+    mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) { curvature += connection.K[h / 3]; });
+    A.valuePtr()[pattern.diagonal(static_cast<Index>(v))] = T(n) * curvature / 6;
   });
   return A;
 }
