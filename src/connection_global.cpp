@@ -18,9 +18,12 @@
 #include "kernels/connection_energy.h"
 #include "src/correction_system.h"
 #include "src/grounded_laplacian.h"
+#include "src/large_array.h"
 
 namespace alcap {
 namespace {
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
 // tan of the angle opposite a halfedge, capped, times the length factor: the weights of D_E. Computed where they are
 // needed, which costs less than to store and read them.
@@ -93,6 +96,10 @@ std::pair<T, T> edge_correction(const Mesh& mesh, const HalfedgeWeights<T>& weig
   return {(here * r.start[h] + there * r.end[g]) / sum, (here * r.end[h] + there * r.start[g]) / sum};
 }
 
+// Three numbers per edge or halfedge, wherever they lie.
+using Values = Eigen::Ref<const detail::EdgeValues<double>>;
+using ValuesOut = Eigen::Map<detail::EdgeValues<double>>;
+
 // The lifted state, as the optimisation sees it; at rest, all of it is zero.
 template <class T>
 struct FaceStates {
@@ -104,7 +111,7 @@ struct FaceStates {
   bool at_rest = false;
 
   // With the edges turned by u: parts = the pull of each face on its edges, x = what its relaxed corners move by.
-  void pull_parts(const detail::EdgeValues<double>& u, detail::EdgeValues<double>& parts, VectorX<double>& x) const {
+  void pull_parts(const Values& u, ValuesOut& parts, double* x) const {
     using Lanes = detail::DoubleLanes;
     constexpr int N = Lanes::size;
     parallel_for((std::int64_t{mesh.faces()} + N - 1) / N, [&](std::int64_t group) {
@@ -138,7 +145,7 @@ struct FaceStates {
   }
 
   // The faces' pull on each edge, the right-hand side of the correction, from the parts of its two faces.
-  [[nodiscard]] std::array<double, 3> pull(const detail::EdgeValues<double>& parts, Index e) const {
+  [[nodiscard]] std::array<double, 3> pull(const Values& parts, Index e) const {
     const Index h = mesh.halfedge(e), g = mesh.twin(h);
     if (g == none) return {parts(0, h), parts(1, h), parts(2, h)};
     return {parts(0, h) + parts(0, g), parts(1, h) - parts(1, g), parts(2, h) - parts(2, g)};
@@ -207,7 +214,7 @@ class HeldRho {
   // u += the solution for rhs, to the relative reduction `wanted`; product(p) is A p.
   template <class System, class Product>
   int solve(System& system, const detail::EdgeValues<double>& rhs, double wanted, int most, const Product& product,
-            detail::EdgeValues<double>& u) const {
+            ValuesOut& u) const {
     detail::EdgeValues<double> r = rhs, z(3, r.cols()), p, before = r;
     double square = precondition(system, r, z), first = square;
     p = z;
@@ -278,8 +285,9 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   const EnergyWeights<T> p{mesh, weights, static_cast<T>(options.detail)};
   const auto cot = [&](Index h) { return geometry.cot(h); };
   const FaceStates<T> states{mesh, geometry, p, c.tau, r};
-  EdgeValues<double> u(3, mesh.edges());
-  VectorX<double> x(mesh.halfedges());
+  const LargeArray<double> u_memory(3 * static_cast<std::size_t>(mesh.edges()));
+  const LargeArray<double> x(static_cast<std::size_t>(mesh.halfedges()));
+  ValuesOut u(u_memory.data(), 3, mesh.edges());
   parallel_for(mesh.edges(), [&](std::int64_t e) { u.col(e).setZero(); });
   {
     CorrectionSystem<float> system(mesh, cot, p, fix_rho);
@@ -288,7 +296,8 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     if (fix_rho) held.emplace(mesh, geometry);
 
     const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-    EdgeValues<double> parts(3, mesh.halfedges());
+    const LargeArray<double> parts_memory(3 * static_cast<std::size_t>(mesh.halfedges()));
+    ValuesOut parts(parts_memory.data(), 3, mesh.halfedges());
     const auto rhs = [&](Index e) {
       std::array<double, 3> pull = states.pull(parts, e);
       if (fix_rho) pull[2] = 0;
@@ -303,7 +312,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     double first = 0, last = 0;
     c.report.iterations = 0;
     for (int round = 0;; ++round) {
-      states.pull_parts(u, parts, x);
+      states.pull_parts(u, parts, x.data());
       // Measured through the preconditioner; float is enough for a norm.
       const double square = system.start(rhs);
       const double norm = std::sqrt(std::max(0.0, square));
@@ -331,7 +340,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
         });
         const auto product = [&](const EdgeValues<double>& direction) {
           EdgeValues<double> out(3, mesh.edges());
-          rest.pull_parts(direction, parts, moved);
+          rest.pull_parts(direction, parts, moved.data());
           parallel_for(mesh.edges(), [&](std::int64_t e) {
             const auto pull = rest.pull(parts, static_cast<Index>(e));
             out(0, e) = -pull[0];
@@ -360,7 +369,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     const Index h = static_cast<Index>(3 * t);
     for (Index k = 0; k < 3; ++k) {
       const Index e = mesh.edge(h + k);
-      const T here = static_cast<T>(x[h + k]), ahead = static_cast<T>(x[h + (k + 1) % 3]);
+      const T here = static_cast<T>(x[at(h + k)]), ahead = static_cast<T>(x[at(h + (k + 1) % 3)]);
       c.rho_t[h + k] += here;
       r.start[h + k] += here;
       r.end[h + k] += ahead;

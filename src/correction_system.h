@@ -30,12 +30,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "alcap/mesh.h"
 #include "alcap/parallel.h"
 #include "kernels/pack.h"
+#include "src/large_array.h"
 
 namespace alcap::detail {
 
@@ -158,9 +158,9 @@ class CorrectionSystem {
         edge_count_(mesh.edges()),
         face_blocks_(blocks(face_count_)),
         edge_blocks_(blocks(edge_count_)),
-        faces_(std::make_unique_for_overwrite<FaceBlock[]>(static_cast<std::size_t>(face_blocks_))),
-        edges_(std::make_unique_for_overwrite<EdgeBlock[]>(static_cast<std::size_t>(edge_blocks_))),
-        exchange_(std::make_unique_for_overwrite<Side[]>(2 * static_cast<std::size_t>(edge_blocks_))),
+        faces_(at(face_blocks_)),
+        edges_(at(edge_blocks_)),
+        exchange_(at(2 * edge_blocks_)),
         partial_(static_cast<std::size_t>((std::max(face_blocks_, edge_blocks_) + chunk - 1) / chunk)) {
     each(face_blocks_, [&](std::int64_t b) {
       FaceBlock& f = faces_[at(b)];
@@ -351,7 +351,7 @@ class CorrectionSystem {
   // Asks for the memory of a block ahead of its use: the order in which blocks are read hides from the hardware that
   // they follow each other.
   template <class Block>
-  static void prefetch(const std::unique_ptr<Block[]>& all, std::int64_t b, std::int64_t count) {
+  static void prefetch(const LargeArray<Block>& all, std::int64_t b, std::int64_t count) {
     if (b >= count) return;
     const char* const from = reinterpret_cast<const char*>(&all[at(b)]);
     for (std::size_t i = 0; i < sizeof(Block); i += 64) __builtin_prefetch(from + i);
@@ -456,21 +456,22 @@ class CorrectionSystem {
 
   Index face_count_, edge_count_;
   std::int64_t face_blocks_, edge_blocks_;
-  // Not vectors: those would be filled by one thread first.
-  std::unique_ptr<FaceBlock[]> faces_;
-  std::unique_ptr<EdgeBlock[]> edges_;
-  std::unique_ptr<Side[]> exchange_;
+  LargeArray<FaceBlock> faces_;
+  LargeArray<EdgeBlock> edges_;
+  LargeArray<Side> exchange_;
   std::vector<double> partial_;
 };
 
 /// Preconditioned conjugate gradients from x = 0 until r' P r has fallen by `reduction` squared or `max_iterations` are
-/// done. Returns the iterations.
+/// done. They also end where rounding has left r a part in the kernel that is no longer small beside the rest: from
+/// there on search directions grow along the kernel, and so would r. Returns the iterations.
 template <class S>
 int conjugate_gradients(CorrectionSystem<S>& system, double square, double reduction, int max_iterations) {
+  constexpr double growth = 100;  // of r' P r above its least value; it oscillates, but far less
   const double target = square * reduction * reduction;
-  double beta = 0, alpha = 0;
+  double beta = 0, alpha = 0, least = square;
   int iteration = 0;
-  while (square > target && iteration < max_iterations) {
+  while (square > target && square <= growth * least && iteration < max_iterations) {
     double curvature = system.apply();
     if (iteration > 0) curvature -= beta * square / alpha;
     if (!(curvature > 0)) break;  // rounding has used up the search directions
@@ -478,6 +479,7 @@ int conjugate_gradients(CorrectionSystem<S>& system, double square, double reduc
     const double next = system.step(static_cast<S>(alpha), static_cast<S>(beta));
     beta = next / square;
     square = next;
+    least = std::min(least, square);
     ++iteration;
   }
   return iteration;

@@ -162,6 +162,49 @@ TEST_CASE("the global optimum cannot be improved by any change of its angles") {
   }
 }
 
+TEST_CASE("iterations do not grow under refinement, at any detail") {
+  // The system is local: its condition depends on detail, about as 1 / detail, and on the shape of the faces alone.
+  // Curvature spreads over some detail^-1/2 edges; the meshes are several times larger than that.
+  for (const double detail : {1.0, 0.01, 1e-3}) {
+    int before = 0;
+    for (const int size : {2, 4}) {
+      const Case s(torus_random_diagonals(40 * size, 16 * size, 1, 0.4, 3));
+      const auto c = globally_optimal(s.mesh, s.geometry, {.detail = detail});
+      CHECK(c.report.converged);
+      CHECK(c.report.residual <= 1e-10);
+      CHECK(c.report.iterations <= 60 / std::sqrt(detail));
+      if (before > 0) CHECK(c.report.iterations <= 1.35 * before);
+      before = c.report.iterations;
+    }
+  }
+}
+
+TEST_CASE("the start does not matter: the optimum from the polar and from the local connection is the same") {
+  const Case s(jittered_sphere(3, 0.2, 4));
+  const GlobalOptions options{.tolerance = 1e-12};
+  VectorX<double> defects(s.mesh.vertices());
+  for (Index v = 0; v < s.mesh.vertices(); ++v) defects[v] = s.geometry.defect(s.mesh, v);
+  detail::LiftedResiduals<double> residuals;
+  auto c = detail::build_connection<double>(s.mesh, s.geometry, defects, {}, PolarCenter::barycenter, residuals);
+  detail::optimise_locally(s.mesh, c, residuals);
+  detail::optimise_globally(s.mesh, s.geometry, options, false, c, residuals);
+  const auto d = globally_optimal(s.mesh, s.geometry, options);
+  CHECK((c.K - d.K).cwiseAbs().maxCoeff() < 1e-11);
+  CHECK((c.tau - d.tau).cwiseAbs().maxCoeff() < 1e-11);
+  check_definitions(s, c);
+}
+
+TEST_CASE("the deviations reported by the optimisation are those of its result") {
+  for (const Surface& surface : {jittered_sphere(3, 0.2, 6), noisy_scan(3, 0.1, 5), cylinder(16, 8)}) {
+    const Case s(surface);
+    const auto c = globally_optimal(s.mesh, s.geometry);
+    auto again = c;
+    measure_deviation(s.mesh, s.geometry, {}, again);
+    CHECK(again.report.D_T == doctest::Approx(c.report.D_T).epsilon(1e-10));
+    CHECK(again.report.D_E == doctest::Approx(c.report.D_E).epsilon(1e-10));
+  }
+}
+
 TEST_CASE("detail trades D_T against D_E monotonically") {
   const Case s(bumpy_sphere(4, 0.2, 9));
   double last_T = 0, last_E = 1e300;
