@@ -5,55 +5,63 @@
 // double on the finest, with the consistent mass. The other vectors of the block stay in its basis, so that clusters of
 // eigenvalues (round spheres have 2n + 1 equal ones) do not slow it down.
 //
-// Memory beyond the input: the hierarchy (about 240 bytes a row) and 36 single precision vectors (K = 4) or 12 double
-// ones, whatever is more.
+// Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
+// and three double ones, whatever is more.
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "alcap/detail/random.h"
 #include "solvers/backends.h"
+#include "solvers/lobpcg_finest.h"
 #include "solvers/lobpcg_refine.h"
 
 namespace alcap::detail {
 namespace {
 
-/// Shift in units of -1/area, as in lanczos_spectra.cpp: definite also when S is singular.
-constexpr double relative_shift = 1e-3;
+/// The hierarchy's shift in units of -1/area: a tenth of the smallest eigenvalue of a round sphere. Enough to keep the
+/// cycle from blowing up the null vectors of a flat surface, too little to be felt elsewhere.
+constexpr double relative_shift = 1;
+/// Negative eigenvalues up to this part of 1/area are rounding.
+constexpr double negligible = 1e-2;
 /// Up to here a factorisation is quicker whatever the spectrum, and reaches the last digit.
 constexpr Eigen::Index factorised_rows = 512;
-/// Steps of block LOBPCG from random vectors on the coarsest level, on the levels between, and on the finest.
+/// Steps of block LOBPCG from random vectors on the coarsest level, and on the levels between.
 constexpr int coarsest_steps = 6;
 constexpr int level_steps = 3;
-constexpr int finest_steps = 1;
-/// Second eigenvalues within this factor of the first make a cluster; it takes so many more steps on the finest level.
+/// At most so many steps of the whole block on the finest level.
+constexpr int finest_steps = 6;
+/// Eigenvalues within this factor of the first make a cluster.
 constexpr double cluster = 1.03;
-constexpr int cluster_steps = 4;
-/// The second eigenvalue is information: at most so many steps more until it changes by no more than this.
-constexpr int next_steps = 3;
-constexpr double settled = 1e-3;
-/// A block ends where eigenvalues have grown by this factor: what lies beyond converges fast.
-constexpr double gap = 1.4;
+/// The same on the coarsest level, where what is no cluster may still look like one.
+constexpr double coarse_cluster = 1.02;
+/// Steps on the finest level go on until the first two eigenvalues, or all of a cluster, change by no more than this.
+constexpr double next_settled = 2e-2;
+constexpr double cluster_settled = 1e-5;
+/// A block ends where eigenvalues have grown by this factor, or this one if there is a cluster to be told apart: what
+/// lies beyond converges fast.
+constexpr double gap = 1.1;
+constexpr double cluster_gap = 1.3;
 /// Refinement that needs more iterations than this would be slower than a factorisation.
 constexpr int refine_limit = 100;
 
-/// The level's vectors from those of the next coarser one, K of the C there.
+/// The level's vectors from those of the next coarser one, the first K of the C there.
 template <int K, int C>
-std::vector<float> prolonged(const Level& level, const std::vector<float>& coarse) {
-  std::vector<float> narrow;
-  const std::vector<float>* from = &coarse;
+Buffer<float> prolonged(const Level& level, const Buffer<float>& coarse) {
+  Buffer<float> narrow;
+  const float* from = coarse.data();
   if constexpr (K != C) {
-    const auto rows = static_cast<std::int64_t>(coarse.size()) / (2 * C);
-    narrow.resize(static_cast<std::size_t>(2 * K * rows));
+    const std::int64_t rows = coarse.size() / (2 * C);
+    narrow = Buffer<float>(2 * K * rows);
     for (std::int64_t i = 0; i < rows; ++i) {
-      std::copy_n(coarse.data() + 2 * C * i, K, narrow.data() + 2 * K * i);
-      std::copy_n(coarse.data() + 2 * C * i + C, K, narrow.data() + 2 * K * i + K);
+      std::copy_n(from + 2 * C * i, K, narrow.data() + 2 * K * i);
+      std::copy_n(from + 2 * C * i + C, K, narrow.data() + 2 * K * i + K);
     }
-    from = &narrow;
+    from = narrow.data();
   }
-  std::vector<float> fine(static_cast<std::size_t>(2 * K) * static_cast<std::size_t>(level.rows()));
-  for_rows<K>(level.prolongation, from->data(),
-              [&](std::int64_t i, const float* sum) { std::copy(sum, sum + 2 * K, fine.data() + 2 * K * i); });
+  Buffer<float> fine(2 * K * std::int64_t{level.rows()});
+  for_rows<K>(level.prolongation, from,
+              [out = fine.data()](std::int64_t i, const float* sum) { std::copy(sum, sum + 2 * K, out + 2 * K * i); });
   return fine;
 }
 
@@ -61,28 +69,20 @@ class Cascade {
  public:
   Cascade(const HermitianMatrix& S, const HermitianMatrix& M, bool transports, double area, const EigenOptions& options)
       : pencil_{S, M}, options_(options) {
-    const auto n = static_cast<double>(S.rows());
-    std::vector<double> mass(static_cast<std::size_t>(S.rows()));
-    const auto per_row = [&](std::int64_t j) {
+    Buffer<double> mass(S.rows());
+    parallel_for(S.rows(), [&](std::int64_t j) {
       double sum = 0;
-      for (Index e = M.outerIndexPtr()[j]; e < M.outerIndexPtr()[j + 1]; ++e) sum += std::abs(M.valuePtr()[e]);
-      return sum;
-    };
-    parallel_for(S.rows(), [&](std::int64_t j) { mass[static_cast<std::size_t>(j)] = per_row(j); });
-    const double total =
-        parallel_sum<double>(S.rows(), [&](std::int64_t j) { return mass[static_cast<std::size_t>(j)]; });
-    const double stiffness = parallel_sum<double>(S.rows(), [&](std::int64_t j) {
-      double d = 0;
-      for (Index e = S.outerIndexPtr()[j]; e < S.outerIndexPtr()[j + 1]; ++e)
-        if (S.innerIndexPtr()[e] == j) d += S.valuePtr()[e].real();
-      return d;
+      for (Index e = M.outerIndexPtr()[j]; e < M.outerIndexPtr()[j + 1]; ++e)
+        sum += std::sqrt(std::norm(M.valuePtr()[e]));
+      mass[j] = sum;
     });
-    if (!(total > 0) || !(stiffness > 0)) throw SolveError("the matrices are zero or not positive");
-    pencil_.S_scale = n / stiffness;
-    pencil_.M_scale = n / total;
+    const double total = parallel_sum<double>(S.rows(), [&](std::int64_t j) { return mass[j]; });
+    if (!(total > 0)) throw SolveError("the mass matrix is zero or not positive");
+    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / area}, transports ? &M : nullptr);
+    pencil_.S_scale = 1 / hierarchy_.unit();
+    pencil_.M_scale = static_cast<double>(S.rows()) / total;
     unit_ = pencil_.S_scale / pencil_.M_scale;
     floor_ = unit_ / area;
-    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / area}, transports ? &M : nullptr);
     masses(mass);
   }
 
@@ -100,22 +100,22 @@ class Cascade {
   [[nodiscard]] double unit() const { return unit_; }
 
  private:
-  /// Lumped masses of all levels: the row sums along the transports.
-  void masses(const std::vector<double>& finest) {
+  /// Lumped masses of all levels in their scaled unknowns: row sums along the near-null vectors.
+  void masses(const Buffer<double>& finest) {
     const std::vector<Level>& levels = hierarchy_.levels();
-    masses_.resize(levels.size());
-    masses_[0].resize(finest.size());
-    for (std::size_t i = 0; i < finest.size(); ++i) masses_[0][i] = static_cast<float>(finest[i] * pencil_.M_scale);
+    for (const Level& level : levels) masses_.emplace_back(level.rows());
+    parallel_for(levels[0].rows(), [&](std::int64_t i) {
+      const double near = levels[0].near[i];
+      masses_[0][i] = static_cast<float>(finest[i] * pencil_.M_scale / (near * near));
+    });
     for (std::size_t l = 1; l < levels.size(); ++l) {
-      masses_[l].resize(static_cast<std::size_t>(levels[l].rows()));
-      const Rows& R = levels[l - 1].restriction;
+      const Level& fine = levels[l - 1];
+      const Rows& R = fine.restriction;
       parallel_for(levels[l].rows(), [&](std::int64_t c) {
         float sum = 0;
-        for (std::int64_t e = R.start[static_cast<std::size_t>(c)]; e < R.start[static_cast<std::size_t>(c) + 1]; ++e) {
-          const auto at = static_cast<std::size_t>(e);
-          sum += std::abs(R.value[at]) * masses_[l - 1][static_cast<std::size_t>(R.column[at])];
-        }
-        masses_[l][static_cast<std::size_t>(c)] = sum;
+        for (std::int64_t e = R.start[c]; e < R.start[c + 1]; ++e)
+          sum += std::sqrt(std::norm(R.value[e])) * masses_[l - 1][R.column[e]] * fine.near[R.column[e]];
+        masses_[l][c] = sum / levels[l].near[c];
       });
     }
   }
@@ -123,90 +123,85 @@ class Cascade {
   template <int K>
   Refined from_coarsest(std::size_t l) {
     Random random(options_.seed);
-    std::vector<float> x(static_cast<std::size_t>(2 * K) * static_cast<std::size_t>(hierarchy_.levels()[l].rows()));
-    for (float& z : x) z = static_cast<float>(random.uniform(-1, 1));
-    if (l == 0) return finest<K>(std::move(x), coarsest_steps);
+    Buffer<float> x(2 * K * std::int64_t{hierarchy_.levels()[l].rows()});
+    for (std::int64_t k = 0; k < x.size(); ++k) x[k] = static_cast<float>(random.uniform(-1, 1));
     VectorX<double> values;
     x = on_level<K>(l, std::move(x), coarsest_steps, values);
     if (values.size() < K) return {};
+    if (l == 0) return finest<K>(std::move(x), values);
     // The coarsest level knows the spectrum roughly: a block that turns out too small is done again.
-    const auto enough = [&](int k) { return k < K && values[k] >= gap * values[0]; };
+    const double wanted = values[1] <= coarse_cluster * values[0] ? cluster_gap : gap;
+    const auto enough = [&](int k) { return k < K && values[k] >= wanted * values[0]; };
     Refined result;
     result.end = Refined::End::narrow;
-    if (K == 4 || enough(4)) result = down<4, K>(l, x);
+    if (K == 4 || enough(4)) result = down<4, K>(l, x, values);
     if constexpr (K >= 8) {
-      if (result.end == Refined::End::narrow && (K == 8 || enough(8))) result = down<8, K>(l, x);
+      if (result.end == Refined::End::narrow && (K == 8 || enough(8))) result = down<8, K>(l, x, values);
     }
     if constexpr (K >= 16) {
-      if (result.end == Refined::End::narrow) result = down<16, K>(l, x);
+      if (result.end == Refined::End::narrow) result = down<16, K>(l, x, values);
     }
     return result;
   }
 
   template <int K, int C>
-  Refined down(std::size_t l, const std::vector<float>& coarsest) {
-    std::vector<float> x = prolonged<K, C>(hierarchy_.levels()[l - 1], coarsest);
-    VectorX<double> values;
+  Refined down(std::size_t l, const Buffer<float>& coarsest, VectorX<double> values) {
+    Buffer<float> x = prolonged<K, C>(hierarchy_.levels()[l - 1], coarsest);
     for (--l; l > 0; --l) {
       x = on_level<K>(l, std::move(x), level_steps, values);
       if (values.size() < K) return {};
       x = prolonged<K, K>(hierarchy_.levels()[l - 1], x);
     }
-    return finest<K>(std::move(x), finest_steps);
+    return finest<K>(std::move(x), values);
   }
 
+  /// A few steps of block LOBPCG.
   template <int K>
-  std::vector<float> on_level(std::size_t l, std::vector<float> x, int steps, VectorX<double>& values) {
+  Buffer<float> on_level(std::size_t l, Buffer<float> x, int steps, VectorX<double>& values) {
     const LevelPencil pencil{hierarchy_.levels()[l], masses_[l]};
-    BlockSolver<K, LevelPencil, float> solver(pencil, hierarchy_.levels()[l].rows(), std::move(x));
-    iterate<K>(solver, l, steps);
+    BlockSolver<K, LevelPencil> solver(pencil, hierarchy_.levels()[l].rows(), std::move(x));
+    auto workspace = hierarchy_.workspace<K>(l);
+    for (int s = 0; s < steps && solver.values().size() == K; ++s) {
+      solver.step([&](const float* r, float* w) {
+        std::copy(r, r + workspace.b[l].size(), workspace.b[l].data());
+        hierarchy_.cycle<K>(workspace, l);
+        std::copy(workspace.x[l].data(), workspace.x[l].data() + workspace.x[l].size(), w);
+      });
+    }
     values = solver.values();
     return std::move(solver.vectors().v);
   }
 
   template <int K>
-  Refined finest(std::vector<float> x, int steps) {
-    BlockSolver<K, FinePencil, double> solver(pencil_, pencil_.rows(), std::move(x));
-    if (solver.values().size() < K) return {};
-    iterate<K>(solver, 0, steps);
-    double second = 0;
-    for (int extra = 0; extra < next_steps && !(std::abs(solver.values()[1] - second) <= settled * second); ++extra) {
-      second = solver.values()[1];
-      iterate<K>(solver, 0, 1);
-      ++steps;
+  Refined finest(Buffer<float> x, const VectorX<double>& values) {
+    if (values.size() < K) return {};
+    FinestBlock<K> block(pencil_, hierarchy_, std::move(x));
+    int steps = 0;
+    const int most = std::min(finest_steps, options_.max_iterations);
+    for (bool settled = false; !settled && steps < most && block.values().size() == K; ++steps) {
+      const VectorX<double> before = block.values();
+      if (!block.step()) break;
+      const VectorX<double>& now = block.values();
+      // Members of a cluster must be told apart here: the refinement could only turn x from one to another, and bring
+      // back the errors of the others with every turn.
+      const Eigen::Index members = (now.array() <= cluster * now[0]).cast<Eigen::Index>().sum();
+      const double change = (before - now).head(std::max<Eigen::Index>(2, members)).cwiseAbs().maxCoeff();
+      settled = change <= (members > 1 ? cluster_settled : next_settled) * std::max(now[0], floor_);
     }
-    if (K < 16 && solver.values()[K - 1] <= cluster * solver.values()[0]) {
+    if (block.values().size() < K) return {};
+    if (K < 16 && block.values()[K - 1] <= cluster * block.values()[0]) {
       Refined result;
       result.end = Refined::End::narrow;
       return result;
     }
-    if (solver.values()[1] <= cluster * solver.values()[0]) {
-      // Here single precision must tell the members apart: the refinement could only turn x from one to another, and
-      // bring back the errors of the others with every turn.
-      const int more = std::clamp(options_.max_iterations - steps, 0, cluster_steps);
-      iterate<K>(solver, 0, more);
-      steps += more;
-    }
     const RefineOptions refinement{.tolerance = options_.tolerance,
                                    .floor = floor_,
-                                   .negative = 10 * relative_shift * floor_,
+                                   .negative = negligible * floor_,
                                    .max_iterations = std::min(refine_limit, options_.max_iterations - steps)};
-    Refined result = refine<K>(pencil_, hierarchy_, std::move(solver.vectors()), refinement);
+    const VectorX<double> theta = block.values();
+    Refined result = refine<K>({pencil_, hierarchy_, masses_[0]}, block.take(), theta, refinement);
     result.iterations += steps;
     return result;
-  }
-
-  template <int K, class Solver>
-  void iterate(Solver& solver, std::size_t l, int steps) {
-    if (solver.values().size() < K) return;
-    auto workspace = hierarchy_.workspace<K>(l);
-    for (int s = 0; s < steps; ++s) {
-      solver.step([&](const std::vector<float>& r, std::vector<float>& w) {
-        std::copy(r.begin(), r.end(), workspace.b[l].begin());
-        hierarchy_.cycle<K>(workspace, l);
-        std::copy(workspace.x[l].begin(), workspace.x[l].end(), w.begin());
-      });
-    }
   }
 
   FinePencil pencil_;
@@ -214,7 +209,7 @@ class Cascade {
   double unit_ = 1;   // eigenvalues of the pencil per eigenvalue of the problem
   double floor_ = 0;  // 1/area in the pencil's unit
   Hierarchy hierarchy_;
-  std::vector<std::vector<float>> masses_;
+  std::vector<Buffer<float>> masses_;
 };
 
 /// What the pencil needs: compressed, the same pattern.

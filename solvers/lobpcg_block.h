@@ -13,31 +13,31 @@
 #include <vector>
 
 #include "alcap/parallel.h"
+#include "solvers/mg_level.h"
 #include "solvers/ritz.h"
 
 namespace alcap::detail {
 
 /// K vectors and their products with S and M.
 struct Block {
-  std::vector<float> v, S, M;
-  void resize(std::size_t size) {
-    for (std::vector<float>* x : {&v, &S, &M}) x->resize(size);
-  }
+  Buffer<float> v, S, M;
+  Block() = default;
+  explicit Block(std::int64_t size) : v(size), S(size), M(size) {}
 };
 
-/// out += left^H right over a few rows, summed in Real; out is K x K: rows of real parts and, behind all of them, rows
-/// of imaginary parts.
-template <int K, class Real = float>
+/// out += left^H right over a few rows; out is K x K: rows of real parts and, behind all of them, rows of imaginary
+/// parts.
+template <int K>
 void add_gram(const float* left, const float* right, std::int64_t rows, double* out) {
   for (int a = 0; a < K; ++a) {
-    Real re[K] = {};
-    Real im[K] = {};
+    float re[K] = {};
+    float im[K] = {};
     for (std::int64_t i = 0; i < rows; ++i) {
-      const Real lr = left[2 * K * i + a];
-      const Real li = left[2 * K * i + K + a];
+      const float lr = left[2 * K * i + a];
+      const float li = left[2 * K * i + K + a];
       const float* z = right + 2 * K * i;
-      for (int b = 0; b < K; ++b) re[b] += lr * Real{z[b]} + li * Real{z[K + b]};
-      for (int b = 0; b < K; ++b) im[b] += lr * Real{z[K + b]} - li * Real{z[b]};
+      for (int b = 0; b < K; ++b) re[b] += lr * z[b] + li * z[K + b];
+      for (int b = 0; b < K; ++b) im[b] += lr * z[K + b] - li * z[b];
     }
     for (int b = 0; b < K; ++b) out[K * a + b] += double{re[b]};
     for (int b = 0; b < K; ++b) out[K * (K + a) + b] += double{im[b]};
@@ -47,21 +47,17 @@ void add_gram(const float* left, const float* right, std::int64_t rows, double* 
 /// Rows whose products are summed in single precision before they go into the double sum; they stay in the cache.
 inline constexpr std::int64_t gram_tile = 64;
 
-/// left[p]^H right[p] for Pairs pairs of blocks, summed over all rows; bitwise independent of threads.
-template <int K, std::size_t Pairs, class Real = float>
-std::array<MatrixX<std::complex<double>>, Pairs> grams(std::int64_t rows,
-                                                       const std::array<std::array<const float*, 2>, Pairs>& pairs) {
+/// K x K matrices that add(i, count, out) adds up over the rows i ... i + count, out as in add_gram, one after another;
+/// bitwise independent of threads.
+template <int K, std::size_t Count, class Add>
+std::array<MatrixX<std::complex<double>>, Count> block_grams(std::int64_t rows, Add&& add) {
   constexpr std::size_t size = 2 * K * K;
   using Sums = std::vector<double>;
   const Sums sums = parallel_reduce(
       rows, Sums{},
       [&](std::int64_t begin, std::int64_t end) {
-        Sums sum(Pairs * size);
-        for (std::int64_t i = begin; i < end; i += gram_tile) {
-          const std::int64_t count = std::min(gram_tile, end - i);
-          for (std::size_t p = 0; p < Pairs; ++p)
-            add_gram<K, Real>(pairs[p][0] + 2 * K * i, pairs[p][1] + 2 * K * i, count, sum.data() + p * size);
-        }
+        Sums sum(Count * size);
+        for (std::int64_t i = begin; i < end; i += gram_tile) add(i, std::min(gram_tile, end - i), sum.data());
         return sum;
       },
       [](Sums total, const Sums& part) {
@@ -69,8 +65,8 @@ std::array<MatrixX<std::complex<double>>, Pairs> grams(std::int64_t rows,
         for (std::size_t s = 0; s < part.size(); ++s) total[s] += part[s];
         return total;
       });
-  std::array<MatrixX<std::complex<double>>, Pairs> result;
-  for (std::size_t p = 0; p < Pairs; ++p) {
+  std::array<MatrixX<std::complex<double>>, Count> result;
+  for (std::size_t p = 0; p < Count; ++p) {
     result[p].resize(K, K);
     for (int a = 0; a < K; ++a)
       for (int b = 0; b < K; ++b) {
@@ -79,6 +75,28 @@ std::array<MatrixX<std::complex<double>>, Pairs> grams(std::int64_t rows,
       }
   }
   return result;
+}
+
+/// left[p]^H right[p] for Pairs pairs of blocks, summed over all rows.
+template <int K, std::size_t Pairs>
+std::array<MatrixX<std::complex<double>>, Pairs> grams(std::int64_t rows,
+                                                       const std::array<std::array<const float*, 2>, Pairs>& pairs) {
+  return block_grams<K, Pairs>(rows, [&](std::int64_t i, std::int64_t count, double* out) {
+    for (std::size_t p = 0; p < Pairs; ++p)
+      add_gram<K>(pairs[p][0] + 2 * K * i, pairs[p][1] + 2 * K * i, count, out + p * 2 * K * K);
+  });
+}
+
+/// Coefficients as add_combination takes them.
+template <int K>
+std::vector<float> as_floats(const MatrixX<std::complex<double>>& C) {
+  std::vector<float> c(2 * K * K);
+  for (int a = 0; a < K; ++a)
+    for (int b = 0; b < K; ++b) {
+      c[static_cast<std::size_t>(K * a + b)] = static_cast<float>(C(a, b).real());
+      c[static_cast<std::size_t>(K * (K + a) + b)] = static_cast<float>(C(a, b).imag());
+    }
+  return c;
 }
 
 /// sum += row times coefficients, for the 2 K numbers of one row; c as out of add_gram.
@@ -92,56 +110,66 @@ void add_combination(const float* row, const float* c, float* sum) {
   }
 }
 
-/// K approximate eigenvectors on one level. Inner products are summed in Sum over short pieces, in double over these.
+/// x := x times coefficients (K x K), row by row.
+template <int K>
+void rotate(std::int64_t rows, const MatrixX<std::complex<double>>& coefficients, float* x) {
+  const std::vector<float> c = as_floats<K>(coefficients);
+  parallel_for(rows, [&](std::int64_t i) {
+    float sum[2 * K] = {};
+    add_combination<K>(x + 2 * K * i, c.data(), sum);
+    std::copy(sum, sum + 2 * K, x + 2 * K * i);
+  });
+}
+
+/// K approximate eigenvectors on one level.
 ///
 /// Pencil: void apply(const float* x, float* Sx, float* Mx) const for K vectors.
-/// Preconditioner: writes T r for residuals r: void operator()(const std::vector<float>& r, std::vector<float>& w).
-template <int K, class Pencil, class Sum>
+/// Preconditioner: writes T r for residuals r: void operator()(const float* r, float* w).
+template <int K, class Pencil>
 class BlockSolver {
  public:
   using Dense = MatrixX<std::complex<double>>;
 
   /// Starts from any K independent vectors in `x` (used up): makes them Ritz vectors. `rows` >= K.
-  BlockSolver(const Pencil& pencil, std::int64_t rows, std::vector<float> x) : pencil_(pencil), rows_(rows) {
+  BlockSolver(const Pencil& pencil, std::int64_t rows, Buffer<float> x) : pencil_(pencil), rows_(rows) {
     X_.v = std::move(x);
-    X_.S.resize(X_.v.size());
-    X_.M.resize(X_.v.size());
+    X_.S = Buffer<float>(X_.v.size());
+    X_.M = Buffer<float>(X_.v.size());
     pencil_.template apply<K>(X_.v.data(), X_.S.data(), X_.M.data());
-    const auto [S, M] = grams<K, 2, Sum>(rows_, {{{X_.v.data(), X_.S.data()}, {X_.v.data(), X_.M.data()}}});
+    const auto [S, M] = grams<K, 2>(rows_, {{{X_.v.data(), X_.S.data()}, {X_.v.data(), X_.M.data()}}});
     accept(rayleigh_ritz(hermitian(S), hermitian(M), K, dependent));
   }
 
   /// One step: new directions from the preconditioned residuals.
   template <class Preconditioner>
   void step(Preconditioner&& preconditioner) {
-    if (W_.v.empty()) {
-      W_.resize(X_.v.size());
-      P_.resize(X_.v.size());
+    if (W_.v.size() == 0) {
+      W_ = Block(X_.v.size());
+      P_ = Block(X_.v.size());
     }
     // The residuals go where the products of W will be.
     std::array<float, K> theta;
     for (int k = 0; k < K; ++k) theta[static_cast<std::size_t>(k)] = static_cast<float>(values_[k]);
     parallel_for(rows_, [&](std::int64_t i) {
-      for (int k = 0; k < 2 * K; ++k) {
-        const std::int64_t at = 2 * K * i + k;
-        W_.S[static_cast<std::size_t>(at)] =
-            X_.S[static_cast<std::size_t>(at)] -
-            theta[static_cast<std::size_t>(k % K)] * X_.M[static_cast<std::size_t>(at)];
-      }
+      const float* const s = X_.S.data() + 2 * K * i;
+      const float* const m = X_.M.data() + 2 * K * i;
+      float r[2 * K];
+      for (int k = 0; k < 2 * K; ++k) r[k] = s[k] - theta[static_cast<std::size_t>(k % K)] * m[k];
+      std::copy(r, r + 2 * K, W_.S.data() + 2 * K * i);
     });
-    preconditioner(W_.S, W_.v);
+    preconditioner(W_.S.data(), W_.v.data());
     pencil_.template apply<K>(W_.v.data(), W_.S.data(), W_.M.data());
     const float* w = W_.v.data();
     Dense S = Dense::Zero(3 * K, 3 * K);
     Dense M = Dense::Zero(3 * K, 3 * K);
     const Eigen::Index size = have_p_ ? 3 * K : 2 * K;
     if (have_p_) {
-      const auto g = grams<K, 6, Sum>(rows_, {{{X_.v.data(), W_.S.data()},
-                                               {X_.v.data(), W_.M.data()},
-                                               {w, W_.S.data()},
-                                               {w, W_.M.data()},
-                                               {P_.v.data(), W_.S.data()},
-                                               {P_.v.data(), W_.M.data()}}});
+      const auto g = grams<K, 6>(rows_, {{{X_.v.data(), W_.S.data()},
+                                          {X_.v.data(), W_.M.data()},
+                                          {w, W_.S.data()},
+                                          {w, W_.M.data()},
+                                          {P_.v.data(), W_.S.data()},
+                                          {P_.v.data(), W_.M.data()}}});
       fill(S, Dense(values_.cast<std::complex<double>>().asDiagonal()), g[0], g[2]);
       fill(M, Dense::Identity(K, K), g[1], g[3]);
       set(S, 2, 1, g[4]);
@@ -151,7 +179,7 @@ class BlockSolver {
       S.template bottomRightCorner<K, K>() = PSP_;
       M.template bottomRightCorner<K, K>() = PMP_;
     } else {
-      const auto g = grams<K, 4, Sum>(
+      const auto g = grams<K, 4>(
           rows_, {{{X_.v.data(), W_.S.data()}, {X_.v.data(), W_.M.data()}, {w, W_.S.data()}, {w, W_.M.data()}}});
       fill(S, Dense(values_.cast<std::complex<double>>().asDiagonal()), g[0], g[2]);
       fill(M, Dense::Identity(K, K), g[1], g[3]);
@@ -168,12 +196,12 @@ class BlockSolver {
     PSP_ = hermitian(p.adjoint() * s * p);
     PMP_ = hermitian(p.adjoint() * m * p);
     values_ = ritz.values;
-    const std::vector<float> cx = coefficients(x);
-    const std::vector<float> cw = coefficients(p.middleRows(K, K));
-    const std::vector<float> cp = have_p_ ? coefficients(p.bottomRows(K)) : std::vector<float>();
-    const auto combine = [&](std::vector<float>& xs, const std::vector<float>& ws, std::vector<float>& ps) {
+    const std::vector<float> cx = as_floats<K>(x);
+    const std::vector<float> cw = as_floats<K>(p.middleRows(K, K));
+    const std::vector<float> cp = have_p_ ? as_floats<K>(p.bottomRows(K)) : std::vector<float>();
+    const auto combine = [&](Buffer<float>& xs, const Buffer<float>& ws, Buffer<float>& ps) {
       parallel_for(rows_, [&](std::int64_t i) {
-        const auto at = static_cast<std::size_t>(2 * K * i);
+        const std::int64_t at = 2 * K * i;
         float direction[2 * K] = {};
         add_combination<K>(ws.data() + at, cw.data(), direction);
         if (!cp.empty()) add_combination<K>(ps.data() + at, cp.data(), direction);
@@ -210,28 +238,10 @@ class BlockSolver {
     A.block<K, K>(K, K) = hermitian(ww);
   }
 
-  static std::vector<float> coefficients(const Dense& C) {
-    std::vector<float> c(2 * K * K);
-    for (int a = 0; a < K; ++a)
-      for (int b = 0; b < K; ++b) {
-        c[static_cast<std::size_t>(K * a + b)] = static_cast<float>(C(a, b).real());
-        c[static_cast<std::size_t>(K * (K + a) + b)] = static_cast<float>(C(a, b).imag());
-      }
-    return c;
-  }
-
   void accept(const Ritz& ritz) {
     values_ = ritz.values;
     if (values_.size() < K) return;
-    const std::vector<float> c = coefficients(ritz.coefficients);
-    for (std::vector<float>* block : {&X_.v, &X_.S, &X_.M}) {
-      parallel_for(rows_, [&](std::int64_t i) {
-        float sum[2 * K] = {};
-        float* row = block->data() + 2 * K * i;
-        add_combination<K>(row, c.data(), sum);
-        std::copy(sum, sum + 2 * K, row);
-      });
-    }
+    for (Buffer<float>* block : {&X_.v, &X_.S, &X_.M}) rotate<K>(rows_, ritz.coefficients, block->data());
   }
 
   const Pencil& pencil_;

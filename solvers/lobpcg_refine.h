@@ -26,9 +26,16 @@ struct Refined {
   enum class End { converged, limit, stalled, indefinite, narrow } end = End::stalled;
 };
 
-/// `Y` holds K Ritz vectors, the first of them the start. K: 4, 8, 16.
+/// What the refinement works on; the mass is the lumped one of the finest level in its scaled unknowns.
+struct RefineProblem {
+  const FinePencil& pencil;
+  const Hierarchy& hierarchy;
+  const Buffer<float>& mass;
+};
+
+/// `Y` holds K Ritz vectors of M-length 1, the first of them the start, `theta` their Ritz values. K: 4, 8, 16.
 template <int K>
-[[nodiscard]] Refined refine(const FinePencil& pencil, const Hierarchy& hierarchy, Block Y,
+[[nodiscard]] Refined refine(const RefineProblem& problem, const Buffer<float>& Y, const VectorX<double>& theta,
                              const RefineOptions& options);
 
 }  // namespace alcap::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // mg_cycle.cpp: the W-cycle with a Chebyshev smoother of degree 2: no sequential dependence, so it runs in parallel and
-// its result does not depend on threads.
+// its result does not depend on threads. With a unit diagonal every step is y = p u + q v + s A x, one pass.
 #include <algorithm>
 
 #include "solvers/mg_hierarchy.h"
@@ -9,12 +9,10 @@
 namespace alcap::detail {
 namespace {
 
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
 /// The smoother damps [largest / 6, largest]; below that is the coarse level's.
 constexpr float smoothing_range = 6;
 
-/// Coefficients of two Chebyshev steps: d0 = first D^-1 r, d1 = momentum d0 + second D^-1 (r - A d0), x += d0 + d1.
+/// Two Chebyshev steps for a unit diagonal: x += (one + two) r - two A_off r, with r = b - A x.
 struct Chebyshev {
   explicit Chebyshev(float largest) {
     const float smallest = largest / smoothing_range;
@@ -23,65 +21,109 @@ struct Chebyshev {
     const float sigma = middle / half;
     const float rho0 = 1 / sigma;
     const float rho1 = 1 / (2 * sigma - rho0);
-    first = 1 / middle;
-    momentum = rho1 * rho0;
-    second = 2 * rho1 / half;
+    // d0 = first r, d1 = momentum d0 + second (r - A d0), x += d0 + d1.
+    const float first = 1 / middle;
+    const float momentum = rho1 * rho0;
+    const float second = 2 * rho1 / half;
+    off = second * first;
+    own = (1 + momentum) * first + second - off;
   }
-  float first, momentum, second;
+  float own;  ///< of r
+  float off;  ///< of A_off r, subtracted
 };
 
-/// x += p(A) (b - A x), or x = p(A) b. On return d and r are used up.
+/// y = s A x, rectangular A.
 template <int K>
-void smooth(const Level& level, const float* b, float* x, float* d, float* r, bool from_zero) {
-  constexpr int width = 2 * K;
+void product(const Rows& A, const float* x, float* y) {
+  for_rows<K>(A, x, [y](std::int64_t i, const float* sum) {
+    float* const out = y + 2 * K * i;
+    for (int k = 0; k < 2 * K; ++k) out[k] = sum[k];
+  });
+}
+
+/// y = p u + s A x; y may be u but not x.
+template <int K>
+void product(const Rows& A, const float* x, float p, const float* u, float s, float* y) {
+  for_rows<K>(A, x, [=](std::int64_t i, const float* sum) {
+    float row[2 * K];
+    for (int k = 0; k < 2 * K; ++k) row[k] = p * u[2 * K * i + k] + s * sum[k];
+    std::copy(row, row + 2 * K, y + 2 * K * i);
+  });
+}
+
+/// y = u - v - A x; y is neither of them.
+template <int K>
+void residual(const Rows& A, const float* x, const float* b, float* y) {
+  for_rows<K>(A, x, [=](std::int64_t i, const float* sum) {
+    float row[2 * K];
+    for (int k = 0; k < 2 * K; ++k) row[k] = b[2 * K * i + k] - x[2 * K * i + k] - sum[k];
+    std::copy(row, row + 2 * K, y + 2 * K * i);
+  });
+}
+
+/// y = y + p u - s A u.
+template <int K>
+void advance(const Rows& A, const float* u, float p, float s, float* y) {
+  for_rows<K>(A, u, [=](std::int64_t i, const float* sum) {
+    float row[2 * K];
+    for (int k = 0; k < 2 * K; ++k) row[k] = y[2 * K * i + k] + p * u[2 * K * i + k] - s * sum[k];
+    std::copy(row, row + 2 * K, y + 2 * K * i);
+  });
+}
+
+/// x += p(A) (b - A x), or x = p(A) b. `r` is used up.
+template <int K>
+void smooth(const Level& level, const float* b, float* x, float* r, bool from_zero) {
   const Chebyshev c(level.largest);
-  const float* diagonal = level.diagonal.data();
-  const float* inverse = level.inverse.data();
   if (from_zero) {
-    parallel_for(level.rows(), [=](std::int64_t i) {
-      for (int k = 0; k < width; ++k) d[width * i + k] = c.first * inverse[i] * b[width * i + k];
-    });
-    for_rows<K>(level.off, d, [=](std::int64_t i, const float* sum) {
-      const float scale = c.second * inverse[i];
-      for (int k = 0; k < width; ++k) {
-        const float rest = b[width * i + k] - diagonal[i] * d[width * i + k] - sum[k];
-        x[width * i + k] = (1 + c.momentum) * d[width * i + k] + scale * rest;
-      }
-    });
+    product<K>(level.off, b, c.own, b, -c.off, x);
     return;
   }
-  for_rows<K>(level.off, x, [=](std::int64_t i, const float* sum) {
-    const float scale = c.first * inverse[i];
-    for (int k = 0; k < width; ++k) {
-      const float rest = b[width * i + k] - diagonal[i] * x[width * i + k] - sum[k];
-      r[width * i + k] = rest;
-      d[width * i + k] = scale * rest;
-    }
-  });
-  for_rows<K>(level.off, d, [=](std::int64_t i, const float* sum) {
-    const float scale = c.second * inverse[i];
-    for (int k = 0; k < width; ++k) {
-      const float rest = r[width * i + k] - diagonal[i] * d[width * i + k] - sum[k];
-      x[width * i + k] += (1 + c.momentum) * d[width * i + k] + scale * rest;
-    }
-  });
+  residual<K>(level.off, x, b, r);
+  advance<K>(level.off, r, c.own, c.off, x);
 }
 
 /// x = A^-1 b with the dense inverse.
 template <int K>
-void solve_densely(const std::vector<ComplexF>& inverse, Index n, const float* b, float* x) {
-  const auto* value = reinterpret_cast<const float*>(inverse.data());
+void solve_densely(const Buffer<ComplexF>& inverse, Index n, const float* b, float* x) {
+  const auto* const value = reinterpret_cast<const float*>(inverse.data());
   for (Index i = 0; i < n; ++i) {
     float sum[2 * K] = {};
     for (Index j = 0; j < n; ++j) {
       const float ar = value[2 * (std::int64_t{i} * n + j)];
       const float ai = value[2 * (std::int64_t{i} * n + j) + 1];
-      const float* z = b + 2 * K * std::int64_t{j};
+      const float* const z = b + 2 * K * std::int64_t{j};
       for (int k = 0; k < K; ++k) sum[k] += ar * z[k] - ai * z[K + k];
       for (int k = 0; k < K; ++k) sum[K + k] += ar * z[K + k] + ai * z[k];
     }
     std::copy(sum, sum + 2 * K, x + 2 * K * std::int64_t{i});
   }
+}
+
+template <int K>
+void visit(const std::vector<Level>& levels, const Buffer<ComplexF>& inverse, std::size_t l, Hierarchy::Workspace& w,
+           bool from_zero) {
+  const Level& level = levels[l];
+  float* const x = w.x[l].data();
+  float* const b = w.b[l].data();
+  float* const r = w.r[l].data();
+  if (l + 1 == levels.size()) {
+    if (inverse.size() > 0) {
+      solve_densely<K>(inverse, level.rows(), b, x);
+      return;
+    }
+    // Too many rows left and no more coupling: the smoother converges fast.
+    for (int sweep = 0; sweep < 4; ++sweep) smooth<K>(level, b, x, r, from_zero && sweep == 0);
+    return;
+  }
+  smooth<K>(level, b, x, r, from_zero);
+  residual<K>(level.off, x, b, r);
+  product<K>(level.restriction, r, w.b[l + 1].data());
+  visit<K>(levels, inverse, l + 1, w, true);
+  // The second visit makes it a W. The coarsest level is solved exactly at once.
+  if (l + 2 < levels.size()) visit<K>(levels, inverse, l + 1, w, false);
+  product<K>(level.prolongation, w.x[l + 1].data(), 1, x, 1, x);
+  smooth<K>(level, b, x, r, false);
 }
 
 }  // namespace
@@ -90,52 +132,22 @@ template <int K>
 Hierarchy::Workspace Hierarchy::workspace(std::size_t first) const {
   Workspace w;
   for (std::size_t l = 0; l < levels_.size(); ++l) {
-    const std::size_t size = l < first ? 0 : 2 * K * at(levels_[l].rows());
+    const std::int64_t size = l < first ? 0 : 2 * K * std::int64_t{levels_[l].rows()};
     w.x.emplace_back(size);
     w.b.emplace_back(size);
-    w.d.emplace_back(2 * size);
+    w.r.emplace_back(size);
   }
   return w;
 }
 
 template <int K>
-void Hierarchy::visit(std::size_t l, Workspace& w, bool from_zero) const {
-  constexpr int width = 2 * K;
-  const Level& level = levels_[l];
-  float* x = w.x[l].data();
-  float* b = w.b[l].data();
-  float* d = w.d[l].data();
-  float* r = d + w.x[l].size();
-  if (l + 1 == levels_.size()) {
-    if (!coarsest_inverse_.empty()) {
-      solve_densely<K>(coarsest_inverse_, level.rows(), b, x);
-      return;
-    }
-    // Too many rows left and no more coupling: the smoother converges fast.
-    for (int sweep = 0; sweep < 4; ++sweep) smooth<K>(level, b, x, d, r, from_zero && sweep == 0);
-    return;
-  }
-  smooth<K>(level, b, x, d, r, from_zero);
-  const float* diagonal = level.diagonal.data();
-  for_rows<K>(level.off, x, [=](std::int64_t i, const float* sum) {
-    for (int k = 0; k < width; ++k) r[width * i + k] = b[width * i + k] - diagonal[i] * x[width * i + k] - sum[k];
-  });
-  float* coarse_b = w.b[l + 1].data();
-  for_rows<K>(level.restriction, r, [=](std::int64_t i, const float* sum) {
-    for (int k = 0; k < width; ++k) coarse_b[width * i + k] = sum[k];
-  });
-  visit<K>(l + 1, w, true);
-  // The second visit makes it a W. The coarsest level is solved exactly at once.
-  if (l + 2 < levels_.size()) visit<K>(l + 1, w, false);
-  for_rows<K>(level.prolongation, w.x[l + 1].data(), [=](std::int64_t i, const float* sum) {
-    for (int k = 0; k < width; ++k) x[width * i + k] += sum[k];
-  });
-  smooth<K>(level, b, x, d, r, false);
+void Hierarchy::cycle(Workspace& w, std::size_t level, bool from_zero) const {
+  visit<K>(levels_, coarsest_inverse_, level, w, from_zero);
 }
 
 #define ALCAP_INSTANTIATE(K)                                                \
   template Hierarchy::Workspace Hierarchy::workspace<K>(std::size_t) const; \
-  template void Hierarchy::visit<K>(std::size_t, Workspace&, bool) const;
+  template void Hierarchy::cycle<K>(Workspace&, std::size_t, bool) const;
 ALCAP_INSTANTIATE(1)
 ALCAP_INSTANTIATE(4)
 ALCAP_INSTANTIATE(8)

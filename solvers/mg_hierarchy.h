@@ -17,27 +17,26 @@ namespace alcap::detail {
 
 /// Which vertices form one coarse vertex. `aggregate[i]` is none for vertices that the smoother alone takes care of.
 struct Aggregates {
-  std::vector<Index> aggregate;
-  std::vector<ComplexF> transport;  ///< from the root of the aggregate to the vertex, modulus 1
+  Buffer<Index> aggregate;
+  Buffer<ComplexF> transport;  ///< from the root of the aggregate to the vertex, modulus 1
   Index count = 0;
 };
 
 /// Greedy aggregation of strongly coupled vertices, in their order.
 [[nodiscard]] Aggregates aggregate(const Level& level);
 
-/// Fills level.prolongation and level.restriction.
+/// Fills level.prolongation and level.restriction, up to the scaling of the coarse level.
 void smooth_prolongation(Level& level, const Aggregates& aggregates);
 
-/// P^H A P, without its prolongation.
-[[nodiscard]] Level galerkin(const Level& fine);
+/// P^H A P scaled to unit diagonal, without its prolongation; scales the prolongation of `fine` to match. Returns a
+/// level without rows when a diagonal entry is not positive.
+[[nodiscard]] Level galerkin(Level& fine);
 
 /// True for entries that aggregation and prolongation treat as coupled.
-[[nodiscard]] inline bool strong(const Level& level, std::int64_t i, std::int64_t e) {
+[[nodiscard]] inline bool strong(ComplexF a) {
   // Weak couplings (theta = 0.08 of the diagonal) would tie directions together that the smoother does not.
   constexpr float theta = 0.08F;
-  const auto j = static_cast<std::size_t>(level.off.column[static_cast<std::size_t>(e)]);
-  return std::norm(level.off.value[static_cast<std::size_t>(e)]) >
-         theta * theta * level.diagonal[static_cast<std::size_t>(i)] * level.diagonal[j];
+  return a.real() * a.real() + a.imag() * a.imag() > theta * theta;
 }
 
 /// S - sigma M without forming it. M, when not null, has the pattern of S; both are compressed.
@@ -59,28 +58,28 @@ class Hierarchy {
 
   /// Workspace of W-cycles with K vectors (1, 4, 8 or 16) that start on level `first` or coarser.
   struct Workspace {
-    std::vector<std::vector<float>> x, b, d;
+    std::vector<Buffer<float>> x, b, r;
   };
   template <int K>
   [[nodiscard]] Workspace workspace(std::size_t first = 0) const;
 
-  /// x ~ A^-1 b by one W-cycle from zero on a level. Hermitian positive definite, so fit for preconditioning. The
-  /// vectors are w.b[level] and w.x[level].
+  /// x ~ A^-1 b by one W-cycle on a level, from zero or from x. Hermitian positive definite from zero, so fit for
+  /// preconditioning. The vectors are w.b[level] and w.x[level], scaled: with N = levels()[level].near, N^-1 b and N x
+  /// of the level's own matrix (times a constant).
   template <int K>
-  void cycle(Workspace& w, std::size_t level = 0) const {
-    visit<K>(level, w, true);
-  }
+  void cycle(Workspace& w, std::size_t level = 0, bool from_zero = true) const;
 
   [[nodiscard]] const std::vector<Level>& levels() const { return levels_; }
+  /// The finest level is N^-1 A N^-1 / unit().
+  [[nodiscard]] double unit() const { return unit_; }
   [[nodiscard]] std::int64_t nonzeros() const;
 
  private:
-  template <int K>
-  void visit(std::size_t level, Workspace& w, bool from_zero) const;
   void invert_coarsest();
 
   std::vector<Level> levels_;
-  std::vector<ComplexF> coarsest_inverse_;  // dense; empty when the coarsest level is too large for that
+  double unit_ = 1;
+  Buffer<ComplexF> coarsest_inverse_;  // dense; empty when the coarsest level is too large for that
 };
 
 }  // namespace alcap::detail

@@ -173,9 +173,10 @@ class Multigrid final : public LinearSolver<complex<double>> {
     const double unit = 1 / size;
     auto* b = reinterpret_cast<ComplexF*>(w.b[0].data());
     const auto* x = reinterpret_cast<const ComplexF*>(w.x[0].data());
-    parallel_for(rows_, [&](std::int64_t i) { b[i] = ComplexF(r[i] * unit); });
+    const float* const near = hierarchy_.levels()[0].near.data();
+    parallel_for(rows_, [&](std::int64_t i) { b[i] = ComplexF(r[i] * (unit / double{near[i]})); });
     hierarchy_.cycle<1>(w);
-    parallel_for(rows_, [&](std::int64_t i) { z[i] = size * complex<double>(x[i]); });
+    parallel_for(rows_, [&](std::int64_t i) { z[i] = size / double{near[i]} * complex<double>(x[i]); });
   }
 
   SolverOptions options_;

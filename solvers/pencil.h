@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 //
-// pencil.h: S x and M x in one pass over two matrices of the same pattern, for one vector in double or K vectors in
-// single precision. Internal to solvers/.
+// pencil.h: the matrices S and M of an eigenproblem side by side: S x and M x in one pass, and used on the spot, so
+// that products are never stored. Internal to solvers/.
 //
-// Both operators come scaled, so that their numbers are near 1 and fit single precision: S by its mean diagonal entry,
-// M by its mean row sum.
+// Both come scaled, so that numbers are near 1 and fit single precision: S to a mean diagonal entry of about 1, M to a
+// mean row sum of 1.
 #pragma once
 
-#include <vector>
+#include <array>
 
 #include "solvers/eigen_problem.h"
+#include "solvers/lobpcg_block.h"
 #include "solvers/mg_level.h"
 
 namespace alcap::detail {
@@ -23,48 +24,86 @@ struct FinePencil {
 
   [[nodiscard]] std::int64_t rows() const { return S.cols(); }
 
-  /// K vectors in blocks as in mg_level.h (for K = 1: complex numbers). Sums are double: S x cancels.
-  template <int K, class Real>
-  void apply(const Real* x, Real* Sx, Real* Mx) const {
-    const Index* start = S.outerIndexPtr();
-    const Index* row = S.innerIndexPtr();
-    const std::complex<double>* s = S.valuePtr();
-    const std::complex<double>* m = M.valuePtr();
-    parallel_ranges(rows(), mg_grain, [=, this](std::int64_t begin, std::int64_t end) {
-      for (std::int64_t j = begin; j < end; ++j) {
-        double s_sum[2 * K] = {};
-        double m_sum[2 * K] = {};
-        for (Index e = start[j]; e < start[j + 1]; ++e) {
-          // Row j is the conjugate of column j.
-          const double sr = s[e].real();
-          const double si = s[e].imag();
-          const double mr = m[e].real();
-          const double mi = m[e].imag();
-          const Real* z = x + 2 * K * std::int64_t{row[e]};
-          for (int k = 0; k < K; ++k) s_sum[k] += sr * double{z[k]} + si * double{z[K + k]};
-          for (int k = 0; k < K; ++k) s_sum[K + k] += sr * double{z[K + k]} - si * double{z[k]};
-          for (int k = 0; k < K; ++k) m_sum[k] += mr * double{z[k]} + mi * double{z[K + k]};
-          for (int k = 0; k < K; ++k) m_sum[K + k] += mr * double{z[K + k]} - mi * double{z[k]};
-        }
-        for (int k = 0; k < 2 * K; ++k) Sx[2 * K * j + k] = static_cast<Real>(S_scale * s_sum[k]);
-        for (int k = 0; k < 2 * K; ++k) Mx[2 * K * j + k] = static_cast<Real>(M_scale * m_sum[k]);
+  /// use(i, (S x)_i, (M x)_i, sums) for all rows; the sums are added up over fixed chunks.
+  template <std::size_t N, class Use>
+  [[nodiscard]] std::array<double, N> sums(const std::complex<double>* x, Use&& use) const {
+    using Sums = std::array<double, N>;
+    const Index* const start = S.outerIndexPtr();
+    const Index* const row = S.innerIndexPtr();
+    const std::complex<double>* const s = S.valuePtr();
+    const std::complex<double>* const m = M.valuePtr();
+    return parallel_reduce(
+        rows(), Sums{},
+        [&](std::int64_t begin, std::int64_t end) {
+          Sums total{};
+          for (std::int64_t j = begin; j < end; ++j) {
+            // Row j is the conjugate of column j.
+            double sr = 0, si = 0, mr = 0, mi = 0;
+            for (Index e = start[j]; e < start[j + 1]; ++e) {
+              const double re = x[row[e]].real(), im = x[row[e]].imag();
+              sr += s[e].real() * re + s[e].imag() * im;
+              si += s[e].real() * im - s[e].imag() * re;
+              mr += m[e].real() * re + m[e].imag() * im;
+              mi += m[e].real() * im - m[e].imag() * re;
+            }
+            use(j, std::complex<double>(S_scale * sr, S_scale * si), std::complex<double>(M_scale * mr, M_scale * mi),
+                total);
+          }
+          return total;
+        },
+        [](Sums total, const Sums& part) {
+          for (std::size_t k = 0; k < N; ++k) total[k] += part[k];
+          return total;
+        });
+  }
+
+  /// Rows first ... first + count - 1 of S x and M x for K vectors, blocks as in mg_level.h. Sums are double: S x
+  /// cancels, to one part in V.
+  template <int K>
+  void multiply(std::int64_t first, std::int64_t count, const float* x, float* Sx, float* Mx) const {
+    const Index* const start = S.outerIndexPtr();
+    const Index* const row = S.innerIndexPtr();
+    const std::complex<double>* const s = S.valuePtr();
+    const std::complex<double>* const m = M.valuePtr();
+    for (std::int64_t j = first; j < first + count; ++j, Sx += 2 * K, Mx += 2 * K) {
+      double s_sum[2 * K] = {};
+      double m_sum[2 * K] = {};
+      for (Index e = start[j]; e < start[j + 1]; ++e) {
+        double z[2 * K];
+        for (int k = 0; k < 2 * K; ++k) z[k] = double{x[2 * K * std::int64_t{row[e]} + k]};
+        add_product<K>(s[e], z, s_sum);
+        add_product<K>(m[e], z, m_sum);
       }
-    });
+      for (int k = 0; k < 2 * K; ++k) Sx[k] = static_cast<float>(S_scale * s_sum[k]);
+      for (int k = 0; k < 2 * K; ++k) Mx[k] = static_cast<float>(M_scale * m_sum[k]);
+    }
+  }
+
+ private:
+  /// sum += conj(a) z, as row j is the conjugate of column j.
+  template <int K>
+  static void add_product(std::complex<double> a, const double* z, double* sum) {
+    for (int k = 0; k < K; ++k) sum[k] += a.real() * z[k] + a.imag() * z[K + k];
+    for (int k = 0; k < K; ++k) sum[K + k] += a.real() * z[K + k] - a.imag() * z[k];
   }
 };
 
-/// A level of the hierarchy with a diagonal mass.
+/// A level of the hierarchy with a diagonal mass, in its scaled unknowns.
 struct LevelPencil {
   const Level& level;
-  const std::vector<float>& mass;
+  const Buffer<float>& mass;
 
   template <int K>
   void apply(const float* x, float* Sx, float* Mx) const {
-    const float* diagonal = level.diagonal.data();
-    const float* m = mass.data();
+    const float* const m = mass.data();
     for_rows<K>(level.off, x, [=](std::int64_t i, const float* sum) {
-      for (int k = 0; k < 2 * K; ++k) Sx[2 * K * i + k] = diagonal[i] * x[2 * K * i + k] + sum[k];
-      for (int k = 0; k < 2 * K; ++k) Mx[2 * K * i + k] = m[i] * x[2 * K * i + k];
+      float own[2 * K];
+      std::copy(x + 2 * K * i, x + 2 * K * (i + 1), own);
+      float* const s = Sx + 2 * K * i;
+      for (int k = 0; k < 2 * K; ++k) s[k] = own[k] + sum[k];
+      const float mi = m[i];
+      float* const t = Mx + 2 * K * i;
+      for (int k = 0; k < 2 * K; ++k) t[k] = mi * own[k];
     });
   }
 };

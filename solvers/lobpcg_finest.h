@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: MIT
+//
+// lobpcg_finest.h: the block phase on the finest level: block steepest descent for K vectors in single precision with
+// the matrices of the problem itself. A few steps, so the search directions of LOBPCG would not pay for their memory.
+// Internal to solvers/.
+#pragma once
+
+#include "solvers/mg_hierarchy.h"
+#include "solvers/pencil.h"
+
+namespace alcap::detail {
+
+template <int K>
+class FinestBlock {
+ public:
+  using Dense = MatrixX<std::complex<double>>;
+
+  /// Starts from K vectors in the scaled unknowns of the finest level.
+  FinestBlock(const FinePencil& pencil, const Hierarchy& hierarchy, Buffer<float> x)
+      : pencil_(pencil), hierarchy_(hierarchy), X_(std::move(x)), workspace_(hierarchy.workspace<K>()) {
+    unscale(X_.data());
+    const auto [S, M] = block_grams<K, 2>(pencil_.rows(), [this](std::int64_t i, std::int64_t count, double* out) {
+      float Sx[2 * K * gram_tile], Mx[2 * K * gram_tile];
+      pencil_.template multiply<K>(i, count, X_.data(), Sx, Mx);
+      add_gram<K>(X_.data() + 2 * K * i, Sx, count, out);
+      add_gram<K>(X_.data() + 2 * K * i, Mx, count, out + 2 * K * K);
+    });
+    const Ritz ritz = rayleigh_ritz(hermitian(S), hermitian(M), K, dependent);
+    values_ = ritz.values;
+    if (values_.size() == K) rotate<K>(pencil_.rows(), ritz.coefficients, X_.data());
+  }
+
+  /// One step; false when there was nothing new to be had.
+  bool step() {
+    residuals();
+    hierarchy_.cycle<K>(workspace_);
+    const float* const W = workspace_.x[0].data();
+    unscale(workspace_.x[0].data());
+    const auto [XSW, XMW, WSW, WMW] =
+        block_grams<K, 4>(pencil_.rows(), [this, W](std::int64_t i, std::int64_t count, double* out) {
+          float Sw[2 * K * gram_tile], Mw[2 * K * gram_tile];
+          pencil_.template multiply<K>(i, count, W, Sw, Mw);
+          const float* const rows[2] = {X_.data() + 2 * K * i, W + 2 * K * i};
+          for (int p = 0; p < 4; ++p) add_gram<K>(rows[p / 2], p % 2 == 0 ? Sw : Mw, count, out + p * 2 * K * K);
+        });
+    Dense S(2 * K, 2 * K), M(2 * K, 2 * K);
+    S << Dense(values_.cast<std::complex<double>>().asDiagonal()), XSW, XSW.adjoint(), hermitian(WSW);
+    M << Dense::Identity(K, K), XMW, XMW.adjoint(), hermitian(WMW);
+    const Ritz ritz = rayleigh_ritz(S, M, K, dependent);
+    if (ritz.values.size() < K || !ritz.coefficients.allFinite()) return false;
+    values_ = ritz.values;
+    const std::vector<float> cx = as_floats<K>(ritz.coefficients.topRows(K));
+    const std::vector<float> cw = as_floats<K>(ritz.coefficients.bottomRows(K));
+    parallel_for(pencil_.rows(), [&](std::int64_t i) {
+      float sum[2 * K] = {};
+      add_combination<K>(X_.data() + 2 * K * i, cx.data(), sum);
+      add_combination<K>(W + 2 * K * i, cw.data(), sum);
+      std::copy(sum, sum + 2 * K, X_.data() + 2 * K * i);
+    });
+    return true;
+  }
+
+  /// Ritz values, ascending; fewer than K when the vectors were dependent.
+  [[nodiscard]] const VectorX<double>& values() const { return values_; }
+  /// The Ritz vectors, of M-length 1; ends the block.
+  [[nodiscard]] Buffer<float> take() {
+    workspace_ = {};
+    return std::move(X_);
+  }
+
+ private:
+  /// Parts of the basis that are this small beside the whole are rounding of single precision.
+  static constexpr double dependent = 1e-6;
+
+  static Dense hermitian(const Dense& A) { return 0.5 * (A + A.adjoint()); }
+
+  /// b = N^-1 (S x - theta M x).
+  void residuals() {
+    float theta[2 * K];
+    for (int k = 0; k < 2 * K; ++k) theta[k] = static_cast<float>(values_[k % K]);
+    const float* const near = hierarchy_.levels()[0].near.data();
+    float* const b = workspace_.b[0].data();
+    parallel_ranges(pencil_.rows(), gram_tile, [=, this](std::int64_t begin, std::int64_t end) {
+      float Sx[2 * K * gram_tile], Mx[2 * K * gram_tile];
+      for (std::int64_t i = begin; i < end; i += gram_tile) {
+        const std::int64_t count = std::min(gram_tile, end - i);
+        pencil_.template multiply<K>(i, count, X_.data(), Sx, Mx);
+        for (std::int64_t j = 0; j < count; ++j) {
+          const float scale = 1 / near[i + j];
+          float* const out = b + 2 * K * (i + j);
+          for (int k = 0; k < 2 * K; ++k) out[k] = scale * (Sx[2 * K * j + k] - theta[k] * Mx[2 * K * j + k]);
+        }
+      }
+    });
+  }
+
+  void unscale(float* x) const {
+    const float* const near = hierarchy_.levels()[0].near.data();
+    parallel_for(pencil_.rows(), [=](std::int64_t i) {
+      const float scale = 1 / near[i];
+      for (int k = 0; k < 2 * K; ++k) x[2 * K * i + k] *= scale;
+    });
+  }
+
+  const FinePencil& pencil_;
+  const Hierarchy& hierarchy_;
+  Buffer<float> X_;
+  Hierarchy::Workspace workspace_;
+  VectorX<double> values_;
+};
+
+}  // namespace alcap::detail
