@@ -7,8 +7,10 @@
 //
 // Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
 // and three double ones, whatever is more.
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "alcap/detail/random.h"
@@ -26,22 +28,22 @@ constexpr double relative_shift = 1;
 constexpr double negligible = 1e-2;
 /// Up to here a factorisation is quicker whatever the spectrum, and reaches the last digit.
 constexpr Eigen::Index factorised_rows = 512;
-/// Steps of block LOBPCG from random vectors on the coarsest level, and on the levels between.
+/// A coarsest level of so many rows is solved directly, in a few milliseconds.
+constexpr Index direct_rows = 96;
+/// Steps of block LOBPCG from random vectors on a larger coarsest level, and on the levels between.
 constexpr int coarsest_steps = 6;
 constexpr int level_steps = 3;
 /// At most so many steps of the whole block on the finest level.
 constexpr int finest_steps = 6;
 /// Eigenvalues within this factor of the first make a cluster.
 constexpr double cluster = 1.03;
-/// The same on the coarsest level, where what is no cluster may still look like one.
-constexpr double coarse_cluster = 1.02;
 /// Steps on the finest level go on until the first two eigenvalues, or all of a cluster, change by no more than this.
 constexpr double next_settled = 2e-2;
 constexpr double cluster_settled = 1e-5;
-/// A block ends where eigenvalues have grown by this factor, or this one if there is a cluster to be told apart: what
-/// lies beyond converges fast.
+/// A block ends where eigenvalues have grown by this factor: what lies beyond converges fast. Blocks of 4 cost little
+/// less than blocks of 8, so they are for clear gaps.
+constexpr double gap_of_4 = 1.3;
 constexpr double gap = 1.1;
-constexpr double cluster_gap = 1.3;
 /// Refinement that needs more iterations than this would be slower than a factorisation.
 constexpr int refine_limit = 100;
 
@@ -60,8 +62,7 @@ Buffer<float> prolonged(const Level& level, const Buffer<float>& coarse) {
     from = narrow.data();
   }
   Buffer<float> fine(2 * K * std::int64_t{level.rows()});
-  for_rows<K>(level.prolongation, from,
-              [out = fine.data()](std::int64_t i, const float* sum) { std::copy(sum, sum + 2 * K, out + 2 * K * i); });
+  multiply_rows<K>(level.prolongation, from, fine.data());
   return fine;
 }
 
@@ -78,7 +79,7 @@ class Cascade {
     });
     const double total = parallel_sum<double>(S.rows(), [&](std::int64_t j) { return mass[j]; });
     if (!(total > 0)) throw SolveError("the mass matrix is zero or not positive");
-    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / area}, transports ? &M : nullptr);
+    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / area}, transports ? &M : nullptr, options.cancel);
     pencil_.S_scale = 1 / hierarchy_.unit();
     pencil_.M_scale = static_cast<double>(S.rows()) / total;
     unit_ = pencil_.S_scale / pencil_.M_scale;
@@ -90,7 +91,7 @@ class Cascade {
   Refined run() {
     // The coarsest level that has room for the largest block.
     std::size_t l = hierarchy_.levels().size() - 1;
-    while (l > 0 && hierarchy_.levels()[l].rows() < 32) --l;
+    while (l > 0 && hierarchy_.levels()[l].rows() < 16) --l;
     const Index rows = hierarchy_.levels()[l].rows();
     if (rows >= 16) return from_coarsest<16>(l);
     if (rows >= 4) return from_coarsest<4>(l);
@@ -120,18 +121,46 @@ class Cascade {
     }
   }
 
+  /// The K lowest eigenvectors of a small level, all at once.
+  template <int K>
+  Buffer<float> directly(std::size_t l, VectorX<double>& values) const {
+    const Level& level = hierarchy_.levels()[l];
+    const Index n = level.rows();
+    VectorX<double> root(n);
+    for (Index i = 0; i < n; ++i) root[i] = 1 / std::sqrt(std::max(masses_[l][i], std::numeric_limits<float>::min()));
+    MatrixX<std::complex<double>> A = MatrixX<std::complex<double>>::Identity(n, n);
+    for (Index i = 0; i < n; ++i)
+      for (std::int64_t e = level.off.start[i]; e < level.off.start[i + 1]; ++e)
+        A(i, level.off.column[e]) = std::complex<double>(level.off.value[e]);
+    const Eigen::SelfAdjointEigenSolver<MatrixX<std::complex<double>>> solver(root.asDiagonal() * A *
+                                                                              root.asDiagonal());
+    values = solver.eigenvalues().head(K);
+    Buffer<float> x(2 * K * std::int64_t{n});
+    for (Index i = 0; i < n; ++i)
+      for (int k = 0; k < K; ++k) {
+        const std::complex<double> z = root[i] * solver.eigenvectors()(i, k);
+        x[2 * K * std::int64_t{i} + k] = static_cast<float>(z.real());
+        x[2 * K * std::int64_t{i} + K + k] = static_cast<float>(z.imag());
+      }
+    return x;
+  }
+
   template <int K>
   Refined from_coarsest(std::size_t l) {
-    Random random(options_.seed);
-    Buffer<float> x(2 * K * std::int64_t{hierarchy_.levels()[l].rows()});
-    for (std::int64_t k = 0; k < x.size(); ++k) x[k] = static_cast<float>(random.uniform(-1, 1));
     VectorX<double> values;
-    x = on_level<K>(l, std::move(x), coarsest_steps, values);
+    Buffer<float> x;
+    if (hierarchy_.levels()[l].rows() <= direct_rows) {
+      x = directly<K>(l, values);
+    } else {
+      Random random(options_.seed);
+      x = Buffer<float>(2 * K * std::int64_t{hierarchy_.levels()[l].rows()});
+      for (std::int64_t k = 0; k < x.size(); ++k) x[k] = static_cast<float>(random.uniform(-1, 1));
+      x = on_level<K>(l, std::move(x), coarsest_steps, values);
+    }
     if (values.size() < K) return {};
     if (l == 0) return finest<K>(std::move(x), values);
     // The coarsest level knows the spectrum roughly: a block that turns out too small is done again.
-    const double wanted = values[1] <= coarse_cluster * values[0] ? cluster_gap : gap;
-    const auto enough = [&](int k) { return k < K && values[k] >= wanted * values[0]; };
+    const auto enough = [&](int k) { return k < K && values[k] >= (k == 4 ? gap_of_4 : gap) * values[0]; };
     Refined result;
     result.end = Refined::End::narrow;
     if (K == 4 || enough(4)) result = down<4, K>(l, x, values);
@@ -162,6 +191,7 @@ class Cascade {
     BlockSolver<K, LevelPencil> solver(pencil, hierarchy_.levels()[l].rows(), std::move(x));
     auto workspace = hierarchy_.workspace<K>(l);
     for (int s = 0; s < steps && solver.values().size() == K; ++s) {
+      check_cancelled(options_.cancel);
       solver.step([&](const float* r, float* w) {
         std::copy(r, r + workspace.b[l].size(), workspace.b[l].data());
         hierarchy_.cycle<K>(workspace, l);
@@ -179,6 +209,7 @@ class Cascade {
     int steps = 0;
     const int most = std::min(finest_steps, options_.max_iterations);
     for (bool settled = false; !settled && steps < most && block.values().size() == K; ++steps) {
+      check_cancelled(options_.cancel);
       const VectorX<double> before = block.values();
       if (!block.step()) break;
       const VectorX<double>& now = block.values();
@@ -197,7 +228,8 @@ class Cascade {
     const RefineOptions refinement{.tolerance = options_.tolerance,
                                    .floor = floor_,
                                    .negative = negligible * floor_,
-                                   .max_iterations = std::min(refine_limit, options_.max_iterations - steps)};
+                                   .max_iterations = std::min(refine_limit, options_.max_iterations - steps),
+                                   .cancel = options_.cancel};
     const VectorX<double> theta = block.values();
     Refined result = refine<K>({pencil_, hierarchy_, masses_[0]}, block.take(), theta, refinement);
     result.iterations += steps;

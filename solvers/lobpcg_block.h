@@ -25,30 +25,11 @@ struct Block {
   explicit Block(std::int64_t size) : v(size), S(size), M(size) {}
 };
 
-/// out += left^H right over a few rows; out is K x K: rows of real parts and, behind all of them, rows of imaginary
-/// parts.
-template <int K>
-void add_gram(const float* left, const float* right, std::int64_t rows, double* out) {
-  for (int a = 0; a < K; ++a) {
-    float re[K] = {};
-    float im[K] = {};
-    for (std::int64_t i = 0; i < rows; ++i) {
-      const float lr = left[2 * K * i + a];
-      const float li = left[2 * K * i + K + a];
-      const float* z = right + 2 * K * i;
-      for (int b = 0; b < K; ++b) re[b] += lr * z[b] + li * z[K + b];
-      for (int b = 0; b < K; ++b) im[b] += lr * z[K + b] - li * z[b];
-    }
-    for (int b = 0; b < K; ++b) out[K * a + b] += double{re[b]};
-    for (int b = 0; b < K; ++b) out[K * (K + a) + b] += double{im[b]};
-  }
-}
-
 /// Rows whose products are summed in single precision before they go into the double sum; they stay in the cache.
 inline constexpr std::int64_t gram_tile = 64;
 
-/// K x K matrices that add(i, count, out) adds up over the rows i ... i + count, out as in add_gram, one after another;
-/// bitwise independent of threads.
+/// K x K matrices that add(i, count, out) adds up over the rows i ... i + count, out as of BlockKernels::gram, one
+/// after another; bitwise independent of threads.
 template <int K, std::size_t Count, class Add>
 std::array<MatrixX<std::complex<double>>, Count> block_grams(std::int64_t rows, Add&& add) {
   constexpr std::size_t size = 2 * K * K;
@@ -83,11 +64,11 @@ std::array<MatrixX<std::complex<double>>, Pairs> grams(std::int64_t rows,
                                                        const std::array<std::array<const float*, 2>, Pairs>& pairs) {
   return block_grams<K, Pairs>(rows, [&](std::int64_t i, std::int64_t count, double* out) {
     for (std::size_t p = 0; p < Pairs; ++p)
-      add_gram<K>(pairs[p][0] + 2 * K * i, pairs[p][1] + 2 * K * i, count, out + p * 2 * K * K);
+      block_kernels<K>().gram(pairs[p][0] + 2 * K * i, pairs[p][1] + 2 * K * i, count, out + p * 2 * K * K);
   });
 }
 
-/// Coefficients as add_combination takes them.
+/// Coefficients as BlockKernels::combine takes them.
 template <int K>
 std::vector<float> as_floats(const MatrixX<std::complex<double>>& C) {
   std::vector<float> c(2 * K * K);
@@ -99,26 +80,23 @@ std::vector<float> as_floats(const MatrixX<std::complex<double>>& C) {
   return c;
 }
 
-/// sum += row times coefficients, for the 2 K numbers of one row; c as out of add_gram.
+/// out = a A + b B, row by row, with K x K matrices A and B; b may be null, out may be a or b.
 template <int K>
-void add_combination(const float* row, const float* c, float* sum) {
-  for (int a = 0; a < K; ++a) {
-    const float re = row[a];
-    const float im = row[K + a];
-    for (int b = 0; b < K; ++b) sum[b] += re * c[K * a + b] - im * c[K * (K + a) + b];
-    for (int b = 0; b < K; ++b) sum[K + b] += re * c[K * (K + a) + b] + im * c[K * a + b];
-  }
+void combine(std::int64_t rows, const float* a, const MatrixX<std::complex<double>>& A, const float* b,
+             const MatrixX<std::complex<double>>& B, float* out) {
+  const std::vector<float> ca = as_floats<K>(A);
+  const std::vector<float> cb = b == nullptr ? std::vector<float>() : as_floats<K>(B);
+  const auto kernel = block_kernels<K>().combine;
+  parallel_ranges(rows, mg_grain, [&](std::int64_t begin, std::int64_t end) {
+    const std::int64_t at = 2 * K * begin;
+    kernel(a + at, ca.data(), b == nullptr ? nullptr : b + at, cb.data(), end - begin, out + at);
+  });
 }
 
-/// x := x times coefficients (K x K), row by row.
+/// x := x A, row by row.
 template <int K>
-void rotate(std::int64_t rows, const MatrixX<std::complex<double>>& coefficients, float* x) {
-  const std::vector<float> c = as_floats<K>(coefficients);
-  parallel_for(rows, [&](std::int64_t i) {
-    float sum[2 * K] = {};
-    add_combination<K>(x + 2 * K * i, c.data(), sum);
-    std::copy(sum, sum + 2 * K, x + 2 * K * i);
-  });
+void rotate(std::int64_t rows, const MatrixX<std::complex<double>>& A, float* x) {
+  combine<K>(rows, x, A, nullptr, A, x);
 }
 
 /// K approximate eigenvectors on one level.
@@ -196,23 +174,16 @@ class BlockSolver {
     PSP_ = hermitian(p.adjoint() * s * p);
     PMP_ = hermitian(p.adjoint() * m * p);
     values_ = ritz.values;
-    const std::vector<float> cx = as_floats<K>(x);
-    const std::vector<float> cw = as_floats<K>(p.middleRows(K, K));
-    const std::vector<float> cp = have_p_ ? as_floats<K>(p.bottomRows(K)) : std::vector<float>();
-    const auto combine = [&](Buffer<float>& xs, const Buffer<float>& ws, Buffer<float>& ps) {
-      parallel_for(rows_, [&](std::int64_t i) {
-        const std::int64_t at = 2 * K * i;
-        float direction[2 * K] = {};
-        add_combination<K>(ws.data() + at, cw.data(), direction);
-        if (!cp.empty()) add_combination<K>(ps.data() + at, cp.data(), direction);
-        std::copy(direction, direction + 2 * K, ps.data() + at);
-        add_combination<K>(xs.data() + at, cx.data(), direction);
-        std::copy(direction, direction + 2 * K, xs.data() + at);
-      });
+    const Dense cw = p.middleRows(K, K);
+    const Dense cp = have_p_ ? Dense(p.bottomRows(K)) : Dense();
+    const Dense one = Dense::Identity(K, K);
+    const auto advance = [&](Buffer<float>& xs, const Buffer<float>& ws, Buffer<float>& ps) {
+      combine<K>(rows_, ws.data(), cw, have_p_ ? ps.data() : nullptr, cp, ps.data());
+      combine<K>(rows_, xs.data(), x, ps.data(), one, xs.data());
     };
-    combine(X_.v, W_.v, P_.v);
-    combine(X_.S, W_.S, P_.S);
-    combine(X_.M, W_.M, P_.M);
+    advance(X_.v, W_.v, P_.v);
+    advance(X_.S, W_.S, P_.S);
+    advance(X_.M, W_.M, P_.M);
     have_p_ = true;
   }
 

@@ -22,8 +22,8 @@ class FinestBlock {
     const auto [S, M] = block_grams<K, 2>(pencil_.rows(), [this](std::int64_t i, std::int64_t count, double* out) {
       float Sx[2 * K * gram_tile], Mx[2 * K * gram_tile];
       pencil_.template multiply<K>(i, count, X_.data(), Sx, Mx);
-      add_gram<K>(X_.data() + 2 * K * i, Sx, count, out);
-      add_gram<K>(X_.data() + 2 * K * i, Mx, count, out + 2 * K * K);
+      block_kernels<K>().gram(X_.data() + 2 * K * i, Sx, count, out);
+      block_kernels<K>().gram(X_.data() + 2 * K * i, Mx, count, out + 2 * K * K);
     });
     const Ritz ritz = rayleigh_ritz(hermitian(S), hermitian(M), K, dependent);
     values_ = ritz.values;
@@ -41,7 +41,8 @@ class FinestBlock {
           float Sw[2 * K * gram_tile], Mw[2 * K * gram_tile];
           pencil_.template multiply<K>(i, count, W, Sw, Mw);
           const float* const rows[2] = {X_.data() + 2 * K * i, W + 2 * K * i};
-          for (int p = 0; p < 4; ++p) add_gram<K>(rows[p / 2], p % 2 == 0 ? Sw : Mw, count, out + p * 2 * K * K);
+          for (int p = 0; p < 4; ++p)
+            block_kernels<K>().gram(rows[p / 2], p % 2 == 0 ? Sw : Mw, count, out + p * 2 * K * K);
         });
     Dense S(2 * K, 2 * K), M(2 * K, 2 * K);
     S << Dense(values_.cast<std::complex<double>>().asDiagonal()), XSW, XSW.adjoint(), hermitian(WSW);
@@ -49,14 +50,7 @@ class FinestBlock {
     const Ritz ritz = rayleigh_ritz(S, M, K, dependent);
     if (ritz.values.size() < K || !ritz.coefficients.allFinite()) return false;
     values_ = ritz.values;
-    const std::vector<float> cx = as_floats<K>(ritz.coefficients.topRows(K));
-    const std::vector<float> cw = as_floats<K>(ritz.coefficients.bottomRows(K));
-    parallel_for(pencil_.rows(), [&](std::int64_t i) {
-      float sum[2 * K] = {};
-      add_combination<K>(X_.data() + 2 * K * i, cx.data(), sum);
-      add_combination<K>(W + 2 * K * i, cw.data(), sum);
-      std::copy(sum, sum + 2 * K, X_.data() + 2 * K * i);
-    });
+    combine<K>(pencil_.rows(), X_.data(), ritz.coefficients.topRows(K), W, ritz.coefficients.bottomRows(K), X_.data());
     return true;
   }
 

@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+#include "solvers/backends.h"
+
 namespace alcap::detail {
 namespace {
 
@@ -56,6 +58,7 @@ class Refinement {
     double before = 1e300;
     int since_best = 0;
     for (;;) {
+      check_cancelled(options_.cancel);
       residual();
       result.residual = residual_;
       if (residual_ <= options_.tolerance) {
@@ -135,18 +138,18 @@ class Refinement {
     }
   }
 
-  /// x, w, p and the neighbours; once the residual is small without those whose eigenvalue the tolerance hardly tells
-  /// from that of x: they would bring in more rounding (theirs is single precision) than they take out.
+  /// x, w, p and the neighbours; once the residual is small without those whose eigenvalue their single precision
+  /// hardly tells from that of x: they would bring in more rounding than they take out.
   void choose_neighbours() {
-    constexpr double settled = 1e-2;
+    constexpr double small = 1e-2;
     // The eigenvalues of single precision vectors: an error of 6e-8 in high frequencies, squared, times their height.
     constexpr double rounding = 3e-7;
-    const double apart = lambda_ + std::max(10 * options_.tolerance, rounding) * std::max(lambda_, options_.floor);
+    const double apart = lambda_ + rounding * std::max(lambda_, options_.floor);
     basis_ = {at_x, at_w, at_p};
     for (int k = 1; k < K; ++k) {
       const int at = at_y + k - 1;
       const double theta = S_(at, at).real() / M_(at, at).real();
-      if (residual_ > settled || theta > apart) basis_.push_back(at);
+      if (residual_ > small || theta > apart) basis_.push_back(at);
     }
   }
 

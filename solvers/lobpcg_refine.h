@@ -4,6 +4,8 @@
 // neighbouring Ritz vectors of the block phase, which remove what clusters would leave. Internal to solvers/.
 #pragma once
 
+#include <functional>
+
 #include "solvers/lobpcg_block.h"
 #include "solvers/mg_hierarchy.h"
 #include "solvers/pencil.h"
@@ -15,6 +17,7 @@ struct RefineOptions {
   double floor = 0;         ///< of eigenvalues, in the pencil's scale
   double negative = 0;      ///< below minus this S counts as indefinite
   int max_iterations = 100;
+  std::function<bool()> cancel = {};  ///< see EigenOptions
 };
 
 struct Refined {

@@ -32,43 +32,10 @@ struct Chebyshev {
   float off;  ///< of A_off r, subtracted
 };
 
-/// y = s A x, rectangular A.
+/// r = b - A x.
 template <int K>
-void product(const Rows& A, const float* x, float* y) {
-  for_rows<K>(A, x, [y](std::int64_t i, const float* sum) {
-    float* const out = y + 2 * K * i;
-    for (int k = 0; k < 2 * K; ++k) out[k] = sum[k];
-  });
-}
-
-/// y = p u + s A x; y may be u but not x.
-template <int K>
-void product(const Rows& A, const float* x, float p, const float* u, float s, float* y) {
-  for_rows<K>(A, x, [=](std::int64_t i, const float* sum) {
-    float row[2 * K];
-    for (int k = 0; k < 2 * K; ++k) row[k] = p * u[2 * K * i + k] + s * sum[k];
-    std::copy(row, row + 2 * K, y + 2 * K * i);
-  });
-}
-
-/// y = u - v - A x; y is neither of them.
-template <int K>
-void residual(const Rows& A, const float* x, const float* b, float* y) {
-  for_rows<K>(A, x, [=](std::int64_t i, const float* sum) {
-    float row[2 * K];
-    for (int k = 0; k < 2 * K; ++k) row[k] = b[2 * K * i + k] - x[2 * K * i + k] - sum[k];
-    std::copy(row, row + 2 * K, y + 2 * K * i);
-  });
-}
-
-/// y = y + p u - s A u.
-template <int K>
-void advance(const Rows& A, const float* u, float p, float s, float* y) {
-  for_rows<K>(A, u, [=](std::int64_t i, const float* sum) {
-    float row[2 * K];
-    for (int k = 0; k < 2 * K; ++k) row[k] = y[2 * K * i + k] + p * u[2 * K * i + k] - s * sum[k];
-    std::copy(row, row + 2 * K, y + 2 * K * i);
-  });
+void residual(const Level& level, const float* x, const float* b, float* r) {
+  combine_rows<K>(level.off, x, 1, b, -1, x, -1, r);
 }
 
 /// x += p(A) (b - A x), or x = p(A) b. `r` is used up.
@@ -76,11 +43,11 @@ template <int K>
 void smooth(const Level& level, const float* b, float* x, float* r, bool from_zero) {
   const Chebyshev c(level.largest);
   if (from_zero) {
-    product<K>(level.off, b, c.own, b, -c.off, x);
+    combine_rows<K>(level.off, b, c.own, b, 0, nullptr, -c.off, x);
     return;
   }
-  residual<K>(level.off, x, b, r);
-  advance<K>(level.off, r, c.own, c.off, x);
+  residual<K>(level, x, b, r);
+  combine_rows<K>(level.off, r, 1, x, c.own, r, -c.off, x);
 }
 
 /// x = A^-1 b with the dense inverse.
@@ -117,12 +84,12 @@ void visit(const std::vector<Level>& levels, const Buffer<ComplexF>& inverse, st
     return;
   }
   smooth<K>(level, b, x, r, from_zero);
-  residual<K>(level.off, x, b, r);
-  product<K>(level.restriction, r, w.b[l + 1].data());
+  residual<K>(level, x, b, r);
+  multiply_rows<K>(level.restriction, r, w.b[l + 1].data());
   visit<K>(levels, inverse, l + 1, w, true);
   // The second visit makes it a W. The coarsest level is solved exactly at once.
   if (l + 2 < levels.size()) visit<K>(levels, inverse, l + 1, w, false);
-  product<K>(level.prolongation, w.x[l + 1].data(), 1, x, 1, x);
+  combine_rows<K>(level.prolongation, w.x[l + 1].data(), 1, x, 0, nullptr, 1, x);
   smooth<K>(level, b, x, r, false);
 }
 

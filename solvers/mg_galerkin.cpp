@@ -36,7 +36,7 @@ Level galerkin(Level& fine) {
     for (std::int64_t e = fine.restriction.start[c]; e < fine.restriction.start[c + 1]; ++e)
       add_row(AP, fine.restriction.column[e], double{fine.restriction.value[e].real()},
               double{fine.restriction.value[e].imag()}, row);
-    coarse.near[c] = static_cast<float>(std::sqrt(std::max(0.0, row.take(static_cast<Index>(c)).real())));
+    coarse.near[c] = static_cast<float>(std::sqrt(std::max(0.0, row.take(static_cast<Index>(c)))));
   });
   const float* const near = coarse.near.data();
   const bool positive = parallel_reduce(

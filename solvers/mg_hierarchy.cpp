@@ -8,11 +8,13 @@
 #include <cmath>
 #include <string>
 
+#include "solvers/backends.h"
+
 namespace alcap::detail {
 namespace {
 
-/// The coarsest level is inverted densely up to this size; that costs a few milliseconds.
-constexpr Index dense_rows = 200;
+/// The coarsest level is inverted densely up to this size; that costs about a millisecond.
+constexpr Index dense_rows = 96;
 /// Coarsening that keeps more than this part of the rows has come to its end.
 constexpr double stalled = 0.8;
 
@@ -74,27 +76,13 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
   return level;
 }
 
-/// A bound of the spectrum of a level: the power method, never above Gershgorin's.
+/// A bound of the spectrum of a level by the power method.
 float largest_eigenvalue(const Level& level) {
   // The power method comes from below: after so many steps by less than this factor.
   constexpr int steps = 6;
   constexpr double margin = 1.12;
   const Index n = level.rows();
   const Rows& A = level.off;
-  const float gershgorin = parallel_reduce(
-      std::int64_t{n}, 0.0F,
-      [&](std::int64_t begin, std::int64_t end) {
-        float most = 0;
-        for (std::int64_t i = begin; i < end; ++i) {
-          // In the unscaled unknowns, where a row of a Laplacian sums to twice its diagonal.
-          float sum = 0;
-          for (std::int64_t e = A.start[i]; e < A.start[i + 1]; ++e)
-            sum += std::sqrt(std::norm(A.value[e])) * level.near[A.column[e]];
-          most = std::max(most, 1 + sum / level.near[i]);
-        }
-        return most;
-      },
-      [](float a, float b) { return std::max(a, b); });
   Buffer<ComplexF> x(n), y(n);
   parallel_for(n, [&](std::int64_t i) {
     // Any fixed rough vector: two hashes of the row number.
@@ -103,8 +91,8 @@ float largest_eigenvalue(const Level& level) {
             static_cast<float>((h * 747796405U) >> 16) / 65536.0F - 0.5F};
   });
   for (int step = 0; step < steps; ++step) {
-    for_rows<1>(A, reinterpret_cast<const float*>(x.data()),
-                [&](std::int64_t i, const float* sum) { y[i] = x[i] + ComplexF(sum[0], sum[1]); });
+    const auto* const from = reinterpret_cast<const float*>(x.data());
+    combine_rows<1>(A, from, 1, from, 0, nullptr, 1, reinterpret_cast<float*>(y.data()));
     std::swap(x, y);
   }
   const auto square = [n](const Buffer<ComplexF>& v) {
@@ -112,15 +100,17 @@ float largest_eigenvalue(const Level& level) {
   };
   const double before = square(y);
   const double estimate = before > 0 ? std::sqrt(square(x) / before) : 1;
-  return std::min(gershgorin, static_cast<float>(margin * estimate));
+  return static_cast<float>(margin * estimate);
 }
 
 }  // namespace
 
-void Hierarchy::build(const Operand& A, const SparseMatrix<std::complex<double>>* transport) {
+void Hierarchy::build(const Operand& A, const SparseMatrix<std::complex<double>>* transport,
+                      const std::function<bool()>& cancel) {
   levels_.clear();
   levels_.push_back(finest(A, transport, unit_));
   for (;;) {
+    check_cancelled(cancel);
     Level& fine = levels_.back();
     fine.largest = largest_eigenvalue(fine);
     if (fine.rows() <= dense_rows) break;

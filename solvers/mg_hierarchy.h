@@ -8,6 +8,7 @@
 // is the phase of -A_ij. A change of gauge changes no modulus anywhere.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "alcap/solve.h"
@@ -53,8 +54,9 @@ class Hierarchy {
  public:
   /// Builds all levels from A. `transport`, when not null, is a matrix of A's pattern whose off-diagonal phases are the
   /// transports (the mass matrix is one): couplings of A that work against them (obtuse angles, mass terms) are lumped.
-  /// Bitwise independent of threads. Throws SolveError when A has a diagonal entry that is not positive.
-  void build(const Operand& A, const SparseMatrix<std::complex<double>>* transport);
+  /// Bitwise independent of threads. Throws SolveError when A has a diagonal entry that is not positive, Cancelled.
+  void build(const Operand& A, const SparseMatrix<std::complex<double>>* transport,
+             const std::function<bool()>& cancel = {});
 
   /// Workspace of W-cycles with K vectors (1, 4, 8 or 16) that start on level `first` or coarser.
   struct Workspace {

@@ -14,6 +14,7 @@
 
 #include "alcap/conventions.h"
 #include "alcap/parallel.h"
+#include "solvers/block_kernels.h"
 
 namespace alcap::detail {
 
@@ -59,25 +60,21 @@ struct Level {
 /// Rows per task: about 50 microseconds of work.
 inline constexpr std::int64_t mg_grain = 4096;
 
-/// use(i, sum) with the 2 K numbers of row i of A x, for all rows in parallel. `x` has 2 K numbers a row.
-template <int K, class Use>
-void for_rows(const Rows& A, const float* x, Use&& use) {
-  const std::int64_t* const start = A.start.data();
-  const Index* const column = A.column.data();
-  const auto* const value = reinterpret_cast<const float*>(A.value.data());
-  parallel_ranges(A.rows(), mg_grain, [=, &use](std::int64_t begin, std::int64_t end) {
-    for (std::int64_t i = begin; i < end; ++i) {
-      float sum[2 * K] = {};
-      for (std::int64_t e = start[i]; e < start[i + 1]; ++e) {
-        const float ar = value[2 * e];
-        const float ai = value[2 * e + 1];
-        const float* const z = x + 2 * K * std::int64_t{column[e]};
-        for (int k = 0; k < K; ++k) sum[k] += ar * z[k] - ai * z[K + k];
-        for (int k = 0; k < K; ++k) sum[K + k] += ar * z[K + k] + ai * z[k];
-      }
-      use(i, sum);
-    }
-  });
+/// y_i = p u_i + q v_i + s (A x)_i for all rows, K vectors each; u and v may be null, or y. x may not be y.
+template <int K>
+void combine_rows(const Rows& A, const float* x, float p, const float* u, float q, const float* v, float s, float* y) {
+  static_assert(sizeof(Index) == sizeof(int) && sizeof(std::int64_t) == sizeof(long long));
+  const simd::RawRows raw{reinterpret_cast<const long long*>(A.start.data()), A.column.data(),
+                          reinterpret_cast<const float*>(A.value.data())};
+  const auto rows = block_kernels<K>().rows;
+  parallel_ranges(A.rows(), mg_grain,
+                  [=](std::int64_t begin, std::int64_t end) { rows(raw, begin, end, x, p, u, q, v, s, y); });
+}
+
+/// y = A x.
+template <int K>
+void multiply_rows(const Rows& A, const float* x, float* y) {
+  combine_rows<K>(A, x, 0, nullptr, 0, nullptr, 1, y);
 }
 
 }  // namespace alcap::detail

@@ -19,20 +19,24 @@ void prolongation_row(const Level& level, const Aggregates& aggregates, std::int
   // Weak entries never take more than this part of the diagonal.
   constexpr float least = 0.25F;
   const Rows& A = level.off;
-  float weak = 0;
-  for (std::int64_t e = A.start[i]; e < A.start[i + 1]; ++e)
-    if (!strong(A.value[e])) weak += std::sqrt(std::norm(A.value[e])) * level.near[A.column[e]];
-  const float filtered = std::max(1 - weak / level.near[i], least);
-  const auto add = [&](std::int64_t j, ComplexF weight) {
-    const ComplexF value = weight * level.near[j] * aggregates.transport[j];
-    row.add(aggregates.aggregate[j], double{value.real()}, double{value.imag()});
-  };
   row.clear();
-  if (aggregates.aggregate[i] != none) add(i, 1 - omega);
+  const auto add = [&](std::int64_t j, ComplexF weight) {
+    const ComplexF t = aggregates.transport[j];
+    const double near = level.near[j];
+    row.add(aggregates.aggregate[j], near * double{weight.real() * t.real() - weight.imag() * t.imag()},
+            near * double{weight.real() * t.imag() + weight.imag() * t.real()});
+  };
+  float weak = 0;
   for (std::int64_t e = A.start[i]; e < A.start[i + 1]; ++e) {
     const Index j = A.column[e];
-    if (aggregates.aggregate[j] != none && strong(A.value[e])) add(j, -omega / filtered * A.value[e]);
+    if (!strong(A.value[e])) {
+      weak += std::sqrt(std::norm(A.value[e])) * level.near[j];
+    } else if (aggregates.aggregate[j] != none) {
+      add(j, A.value[e]);
+    }
   }
+  row.scale(-omega / std::max(1 - weak / level.near[i], least));
+  if (aggregates.aggregate[i] != none) add(i, 1 - omega);
 }
 
 /// Adjoint: fine rows in ascending order in every coarse row.

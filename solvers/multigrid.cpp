@@ -61,7 +61,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
                         std::equal(A_.innerIndexPtr(), A_.innerIndexPtr() + A_.nonZeros(), transport_.innerIndexPtr());
       if (transport_.rows() != 0 && !fits)
         throw SolveError("multigrid: the transport has another pattern than the matrix");
-      hierarchy_.build({.S = A_}, fits ? &transport_ : nullptr);
+      hierarchy_.build({.S = A_}, fits ? &transport_ : nullptr, options_.cancel);
     } catch (const std::bad_alloc&) {
       throw SolveError("multigrid: out of memory");
     }
@@ -121,6 +121,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
     double checkpoint = 1;
     int iteration = 0;
     while (iteration < options_.max_iterations) {
+      check_cancelled(options_.cancel);
       if (iteration > 0 && iteration % patience == 0) {
         if (!(relative <= least_progress * checkpoint)) break;
         checkpoint = relative;
@@ -160,7 +161,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   const LinearSolver<complex<double>>& factorised() const {
     const std::lock_guard<std::mutex> lock(*direct_lock_);
     if (!direct_) {
-      auto direct = make_linear_solver<complex<double>>();
+      auto direct = make_linear_solver<complex<double>>({.cancel = options_.cancel});
       direct->analyse(A_);
       direct->factorise(A_);
       direct_ = std::move(direct);

@@ -61,30 +61,13 @@ struct FinePencil {
   /// cancels, to one part in V.
   template <int K>
   void multiply(std::int64_t first, std::int64_t count, const float* x, float* Sx, float* Mx) const {
-    const Index* const start = S.outerIndexPtr();
-    const Index* const row = S.innerIndexPtr();
-    const std::complex<double>* const s = S.valuePtr();
-    const std::complex<double>* const m = M.valuePtr();
-    for (std::int64_t j = first; j < first + count; ++j, Sx += 2 * K, Mx += 2 * K) {
-      double s_sum[2 * K] = {};
-      double m_sum[2 * K] = {};
-      for (Index e = start[j]; e < start[j + 1]; ++e) {
-        double z[2 * K];
-        for (int k = 0; k < 2 * K; ++k) z[k] = double{x[2 * K * std::int64_t{row[e]} + k]};
-        add_product<K>(s[e], z, s_sum);
-        add_product<K>(m[e], z, m_sum);
-      }
-      for (int k = 0; k < 2 * K; ++k) Sx[k] = static_cast<float>(S_scale * s_sum[k]);
-      for (int k = 0; k < 2 * K; ++k) Mx[k] = static_cast<float>(M_scale * m_sum[k]);
-    }
-  }
-
- private:
-  /// sum += conj(a) z, as row j is the conjugate of column j.
-  template <int K>
-  static void add_product(std::complex<double> a, const double* z, double* sum) {
-    for (int k = 0; k < K; ++k) sum[k] += a.real() * z[k] + a.imag() * z[K + k];
-    for (int k = 0; k < K; ++k) sum[K + k] += a.real() * z[K + k] - a.imag() * z[k];
+    const simd::RawPencil raw{S.outerIndexPtr(),
+                              S.innerIndexPtr(),
+                              reinterpret_cast<const double*>(S.valuePtr()),
+                              reinterpret_cast<const double*>(M.valuePtr()),
+                              S_scale,
+                              M_scale};
+    block_kernels<K>().pencil(raw, first, first + count, x, Sx, Mx);
   }
 };
 
@@ -95,15 +78,12 @@ struct LevelPencil {
 
   template <int K>
   void apply(const float* x, float* Sx, float* Mx) const {
+    combine_rows<K>(level.off, x, 1, x, 0, nullptr, 1, Sx);
     const float* const m = mass.data();
-    for_rows<K>(level.off, x, [=](std::int64_t i, const float* sum) {
-      float own[2 * K];
-      std::copy(x + 2 * K * i, x + 2 * K * (i + 1), own);
-      float* const s = Sx + 2 * K * i;
-      for (int k = 0; k < 2 * K; ++k) s[k] = own[k] + sum[k];
-      const float mi = m[i];
-      float* const t = Mx + 2 * K * i;
-      for (int k = 0; k < 2 * K; ++k) t[k] = mi * own[k];
+    parallel_for(level.rows(), [=](std::int64_t i) {
+      float row[2 * K];
+      for (int k = 0; k < 2 * K; ++k) row[k] = m[i] * x[2 * K * i + k];
+      std::copy(row, row + 2 * K, Mx + 2 * K * i);
     });
   }
 };

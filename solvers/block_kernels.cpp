@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+//
+// block_kernels.cpp: picks the loops for this machine. Compiled with baseline flags.
+#include "solvers/block_kernels.h"
+
+#include "alcap/detail/isa.h"
+
+namespace alcap::detail {
+namespace {
+
+BlockKernels pick(int K) {
+#if defined(__x86_64__)
+  if (best_isa() == Isa::avx512) return simd::block_kernels_avx512(K);
+  if (best_isa() == Isa::avx2) return simd::block_kernels_avx2(K);
+#endif
+  return simd::block_kernels_sse2(K);
+}
+
+}  // namespace
+
+template <int K>
+const BlockKernels& block_kernels() {
+  static const BlockKernels picked = pick(K);
+  return picked;
+}
+template const BlockKernels& block_kernels<1>();
+template const BlockKernels& block_kernels<4>();
+template const BlockKernels& block_kernels<8>();
+template const BlockKernels& block_kernels<16>();
+
+}  // namespace alcap::detail
