@@ -5,6 +5,9 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <array>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <map>
@@ -236,6 +239,46 @@ TEST_CASE("vertex.rawfield: the branches of every vertex bit for bit, zeros wher
   CHECK(degree == 4);
   CHECK(found.size() == c.singularities.size());
   for (const Singularity& s : c.singularities) CHECK(found.at(s.face) == s.index);
+}
+
+TEST_CASE("numbers in text are those of std::to_chars, whatever their size") {
+  const Folder folder;
+  for (const int n : {1, 2}) {
+    Case c(icosphere(5), n);
+    detail::Random random(17);
+    auto frames = std::make_shared<Frames<double>>(*c.field.frames);
+    for (Index v = 0; v < c.mesh.vertices(); ++v) {
+      // Random digits of everyday size, of any size, and numbers of few digits, powers of two and their neighbours.
+      const double size = v % 2 == 0 ? random.uniform(-6, 8) : random.uniform(-150, 150);
+      c.field.u[v] = std::pow(10, size);
+      frames->X.row(v) = Row(random.uniform(-1, 1), std::round(random.uniform(-1, 1) * 1000) / 1000,
+                             std::exp2(std::round(random.uniform(-60, 10))));
+      if (v % 3 == 0) frames->X(v, 2) = std::nextafter(frames->X(v, 2), v % 6 == 0 ? 0 : 2000);
+      if (v % 5 == 0) c.field.u[v] = 1;
+    }
+    c.field.frames = frames;
+    write_field(c.output(), folder.path / "f.vertex.rawfield");
+    std::istringstream text(contents(folder.path / "f.vertex.rawfield"));
+    std::string token;
+    text >> token >> token;
+    std::vector<Positions<double>> d;
+    for (int k = 0; k < n; ++k) d.push_back(c.field.vectors(k));
+    std::int64_t different = 0;
+    for (Index v = 0; v < c.mesh.vertices(); ++v) {
+      for (int k = 0; k < n; ++k) {
+        for (int axis = 0; axis < 3; ++axis) {
+          std::array<char, 32> digits;
+          const double value = d[static_cast<std::size_t>(k)](v, axis);
+          const double x = k > 0 && value == 0 ? 0.0 : value;  // opposites of zeros have no sign
+          const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), x).ptr;
+          text >> token;
+          different += token != std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data()));
+        }
+      }
+    }
+    CHECK(different == 0);
+    CHECK(text.good());
+  }
 }
 
 TEST_CASE("the branches of an even n come in exact opposites, in memory and in text") {

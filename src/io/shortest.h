@@ -106,7 +106,9 @@ inline char* put_shortest(char* to, double value) {
   const int q = static_cast<int>((bits >> 52) & 0x7FF) - 1075;
   constexpr std::uint64_t fraction = (std::uint64_t{1} << 52) - 1;
   if (q < -122 || q > -3) return slowly();
-  const auto [digits, power] = shortest::decimal((bits & fraction) | (fraction + 1), q);
+  const shortest::Decimal decimal = shortest::decimal((bits & fraction) | (fraction + 1), q);
+  const std::uint64_t digits = decimal.digits;
+  const int power = decimal.exponent;
 
   // 17 digits with zeros in front. They go straight to where they belong if the number is like 0.00123; all others take
   // a detour.
