@@ -21,10 +21,9 @@ struct Backend {
 };
 
 // One line per backend, the preferred one first: "auto" takes it. That is a factorisation, because most callers solve
-// often; who solves a complex system only a few times asks for "multigrid" by name. It is quicker up to 2 right-hand sides
-// at 5K triangles, 5 at 20K, 10 at 80K and 8 at 330K (jittered sphere, to 1e-8, CPU time with setup, eight right-hand
-// sides at a time for CHOLMOD: setup 7.5 / 54 / 420 / 1710 ms against 3.2 / 15 / 56 / 240, then 0.16 / 0.85 / 4.3 / 20 ms
-// a side against 2.1 / 9 / 41 / 205). Real systems go through complex multigrid and gain less.
+// often; who solves a complex system only a few times asks for "multigrid" by name. It is quicker up to 1 right-hand
+// side at 5K triangles, 4 at 20K, 10 at 80K and 8 at 330K (docs/performance.md). Real systems go through complex
+// multigrid and gain less.
 const auto backends = std::to_array<Backend>({
 #ifdef ALCAP_WITH_CHOLMOD
     {"cholmod", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::automatic, o); },
