@@ -77,7 +77,17 @@ class Multigrid final : public LinearSolver<complex<double>> {
     require_sizes(B, X, rows_);
     SolveReport report = report_;
     report.solver = name();
-    report.converged = true;
+    guarded("multigrid solve", [&] { columns(B, X, report); });
+    report.converged = report.residual <= options_.tolerance;
+    report.solve_seconds = timer.seconds();
+    return report;
+  }
+
+  [[nodiscard]] std::string name() const override { return "multigrid"; }
+
+ private:
+  void columns(const Eigen::Ref<const MatrixX<complex<double>>>& B, Eigen::Ref<MatrixX<complex<double>>> X,
+               SolveReport& report) const {
     auto workspace = hierarchy_.workspace<1>();
     for (Eigen::Index c = 0; c < B.cols(); ++c) {
       Vector x;
@@ -94,14 +104,8 @@ class Multigrid final : public LinearSolver<complex<double>> {
       report.iterations = std::max(report.iterations, iterations);
       if (!(relative <= report.residual)) report.residual = relative;
     }
-    report.converged = report.residual <= options_.tolerance;
-    report.solve_seconds = timer.seconds();
-    return report;
   }
 
-  [[nodiscard]] std::string name() const override { return "multigrid"; }
-
- private:
   struct Outcome {
     int iterations;
     double relative;
@@ -197,12 +201,19 @@ class RealMultigrid final : public LinearSolver<double> {
  public:
   explicit RealMultigrid(const SolverOptions& options) : solver_(options) {}
   void set_transport(const SparseMatrix<double>& T) override { solver_.set_transport(T.cast<complex<double>>()); }
-  void analyse(const SparseMatrix<double>& A) override { solver_.analyse(A.cast<complex<double>>()); }
-  void factorise(const SparseMatrix<double>& A) override { solver_.factorise(A.cast<complex<double>>()); }
+  void analyse(const SparseMatrix<double>& A) override {
+    guarded("multigrid", [&] { solver_.analyse(A.cast<complex<double>>()); });
+  }
+  void factorise(const SparseMatrix<double>& A) override {
+    guarded("multigrid", [&] { solver_.factorise(A.cast<complex<double>>()); });
+  }
   SolveReport solve(const Eigen::Ref<const MatrixX<double>>& B, Eigen::Ref<MatrixX<double>> X) const override {
-    MatrixX<complex<double>> x(X.rows(), X.cols());
-    SolveReport report = solver_.solve(B.cast<complex<double>>(), x);
-    X = x.real();
+    SolveReport report;
+    guarded("multigrid solve", [&] {
+      MatrixX<complex<double>> x(X.rows(), X.cols());
+      report = solver_.solve(B.cast<complex<double>>(), x);
+      X = x.real();
+    });
     return report;
   }
   [[nodiscard]] std::string name() const override { return solver_.name(); }

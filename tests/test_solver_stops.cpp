@@ -158,13 +158,6 @@ std::vector<Work> everything(const Problem& p) {
   return all;
 }
 
-/// Those that ask whether they are to stop.
-std::vector<Work> cancellable(const Problem& p) {
-  std::vector<Work> all = everything(p);
-  std::erase_if(all, [](const Work& w) { return w.name == "multigrid" || w.name == "lobpcg"; });
-  return all;
-}
-
 /// 0, 1, 2, ... and then in growing steps.
 int next(int k) { return k < 8 ? k + 1 : k + k / 4; }
 
@@ -172,7 +165,7 @@ int next(int k) { return k < 8 ? k + 1 : k + k / 4; }
 
 TEST_CASE("cancelled at any step: Cancelled, and the solver works afterwards") {
   const Problem p = problem_of(jittered_sphere(3, 0.2, 1), 1);
-  for (const Work& work : cancellable(p)) {
+  for (const Work& work : everything(p)) {
     CAPTURE(work.name);
     int steps = 0;
     work.run([&] { return ++steps < 0; });
@@ -191,7 +184,7 @@ TEST_CASE("cancelled at any step: Cancelled, and the solver works afterwards") {
 
 TEST_CASE("what the question itself throws reaches the caller") {
   const Problem p = problem_of(icosphere(2), 1);
-  for (const Work& work : cancellable(p)) {
+  for (const Work& work : everything(p)) {
     CAPTURE(work.name);
     int asked = 0;
     CHECK_THROWS_WITH_AS(work.run([&]() -> bool {
@@ -205,7 +198,7 @@ TEST_CASE("what the question itself throws reaches the caller") {
 
 TEST_CASE("cancelled from another thread in the middle of a solve") {
   const Problem p = problem_of(jittered_sphere(4, 0.2, 1), 4);
-  for (const Work& work : cancellable(p)) {
+  for (const Work& work : everything(p)) {
     CAPTURE(work.name);
     std::atomic<int> asked{0};
     std::atomic<bool> stop{false};
@@ -252,7 +245,6 @@ TEST_CASE(
   if (void* const found = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<Set>(found)(1);
   const Problem p = problem_of(jittered_sphere(4, 0.2, 1), 1);
   for (const Work& work : everything(p)) {
-    if (work.name == "multigrid") continue;
     CAPTURE(work.name);
     CHECK(work.again());
     const long before = alive;
