@@ -47,6 +47,7 @@ def quick_units(sizes, most, one_and_most):
             ("pipeline", size, one_and_most, ["--benchmark_filter=^batch"], 1),
             ("design", size, most, [], 1),
         ]
+    large_linear = "product|(setup|solve)/.*multigrid"
     phases = "^(read|half|topo|geom|frames)"
     for size in middle:
         units += [
@@ -58,12 +59,12 @@ def quick_units(sizes, most, one_and_most):
     for size in small + middle:
         units += targets(size, 2)
     for size in middle:
-        units.append(("linear", size, most, ["--benchmark_filter=product|(cholmod|multigrid)/"], 1))
+        units += [("linear", size, most, ["--benchmark_filter=" + part], 1) for part in (large_linear, "backend:cholmod/")]
     for size in sizes:
         if size not in middle:
             units += [("assembly", size, one_and_most, [], 1),
                       ("pipeline", size, one_and_most, ["--benchmark_filter=" + phases], 1),
-                      ("linear", size, most, ["--benchmark_filter=product|multigrid"], 1)]
+                      ("linear", size, most, ["--benchmark_filter=" + large_linear], 1)]
     return units
 
 
