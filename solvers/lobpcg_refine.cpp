@@ -8,6 +8,7 @@
 // the residual of x and once for w, which is less traffic than recurrences of products, and has no drift.
 #include "solvers/lobpcg_refine.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "solvers/backends.h"
@@ -57,6 +58,7 @@ class Refinement {
     double best = 1e300;
     double before = 1e300;
     int since_best = 0;
+    int changes = 0;
     for (;;) {
       check_cancelled(options_.cancel);
       residual();
@@ -72,7 +74,11 @@ class Refinement {
         best = residual_;
         since_best = 0;
       } else if (++since_best >= patience) {
-        break;
+        if (changes++ == most_changes) break;
+        mates_ = !mates_;
+        best = 1e300;
+        since_best = 0;
+        forget_p();
       }
       choose_neighbours();
       // x turns towards another member of its cluster, along p: a step without p does not.
@@ -87,9 +93,18 @@ class Refinement {
   }
 
  private:
-  /// Iterations without a gain of 30 % after which it will not come. Between members of a cluster x may turn once or
-  /// twice before it settles, and the residual grows for a while.
-  static constexpr int patience = 15;
+  /// Neighbours this close to x are its mates in a cluster, their eigenvalues are not known better. They take their
+  /// parts out of x, but as approximate as they are they may bring in as much as the cycles remove. So where x makes no
+  /// progress with them they are let go, and where it makes none without them they come back.
+  static constexpr double mates_apart = 3e-5;
+  /// Eigenvalues of single precision vectors are not told apart below this: an error of 6e-8 in high frequencies,
+  /// squared, times their height.
+  static constexpr double rounding = 3e-7;
+  /// As long as the residual is large everything helps.
+  static constexpr double large = 1e-2;
+  /// No progress: no gain of 30 % in so many iterations.
+  static constexpr int patience = 4;
+  static constexpr int most_changes = 6;
   static constexpr Eigen::Index size = K + 2;
 
   /// The residual, its norm, lambda, and the products of x with itself, p and its neighbours.
@@ -138,18 +153,14 @@ class Refinement {
     }
   }
 
-  /// x, w, p and the neighbours; once the residual is small without those whose eigenvalue their single precision
-  /// hardly tells from that of x: they would bring in more rounding than they take out.
+  /// x, w, p and the neighbours, with or without the mates of x.
   void choose_neighbours() {
-    constexpr double small = 1e-2;
-    // The eigenvalues of single precision vectors: an error of 6e-8 in high frequencies, squared, times their height.
-    constexpr double rounding = 3e-7;
-    const double apart = lambda_ + rounding * std::max(lambda_, options_.floor);
+    const double apart = lambda_ + (mates_ ? rounding : mates_apart) * std::max(lambda_, options_.floor);
     basis_ = {at_x, at_w, at_p};
     for (int k = 1; k < K; ++k) {
       const int at = at_y + k - 1;
       const double theta = S_(at, at).real() / M_(at, at).real();
-      if (residual_ > small || theta > apart) basis_.push_back(at);
+      if (residual_ > large || theta > apart) basis_.push_back(at);
     }
   }
 
@@ -191,22 +202,34 @@ class Refinement {
     });
   }
 
+  /// The basis in terms of x, w, p and all neighbours: w and p without their parts along neighbours that were let go,
+  /// or x would turn towards these through them.
+  [[nodiscard]] Dense basis() const {
+    Dense B = Dense::Zero(size, static_cast<Eigen::Index>(basis_.size()));
+    for (std::size_t b = 0; b < basis_.size(); ++b) B(basis_[b], static_cast<Eigen::Index>(b)) = 1;
+    for (int k = at_y; k < size; ++k) {
+      if (std::find(basis_.begin(), basis_.end(), k) != basis_.end()) continue;
+      for (const int v : {at_w, at_p}) B(k, v) = -M_(k, v) / M_(k, k);
+    }
+    return B;
+  }
+
   bool step() {
     direction();
     products_of_w();
     // Without p the basis is smaller: its row is zero then and rayleigh_ritz drops it.
     const auto used = static_cast<Eigen::Index>(basis_.size());
-    const Ritz ritz = rayleigh_ritz(S_(basis_, basis_), M_(basis_, basis_), used, 1e-13);
+    const Dense B = basis();
+    const Ritz ritz = rayleigh_ritz(B.adjoint() * S_ * B, B.adjoint() * M_ * B, used, 1e-13);
     if (ritz.values.size() == 0 || !ritz.coefficients.allFinite()) return false;
     if (used == size && ritz.values.size() > 1) next_ = ritz.values[1];
     // Among eigenvalues that the tolerance does not tell apart x turns no more than it must: rounding would turn it at
     // random, and each turn brings back the errors of the others.
     const double same = ritz.values[0] + 0.1 * options_.tolerance * std::max(std::abs(ritz.values[0]), options_.floor);
     const Eigen::Index equal = (ritz.values.array() <= same).cast<Eigen::Index>().sum();
-    const ComplexVector overlap = ritz.coefficients.leftCols(equal).adjoint() * M_(basis_, at_x);
-    ComplexVector c = ComplexVector::Zero(size);
-    c(basis_) = ritz.coefficients.col(0);
-    if (overlap.norm() > 0.1) c(basis_) = ritz.coefficients.leftCols(equal) * overlap / overlap.norm();
+    const ComplexVector overlap = ritz.coefficients.leftCols(equal).adjoint() * (B.adjoint() * M_.col(at_x));
+    ComplexVector c = B * ritz.coefficients.col(0);
+    if (overlap.norm() > 0.1) c = B * (ritz.coefficients.leftCols(equal) * overlap / overlap.norm());
     old_S_ = S_.row(at_x);
     old_M_ = M_.row(at_x);
     old_part_ = c[at_x];
@@ -316,6 +339,7 @@ class Refinement {
   Dense old_S_, old_M_;  // products of the x before, with all
   complex<double> old_part_ = 0;
   bool p_used_ = false;
+  bool mates_ = true;  // whether they are in the basis
   double lambda_ = 0;
   double next_ = 0;
   double residual_ = 1;
