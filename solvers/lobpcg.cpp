@@ -89,12 +89,16 @@ class Cascade {
 
   /// Throws nothing when it does not converge: see Refined::end.
   Refined run() {
-    // The coarsest level that has room for the largest block.
     std::size_t l = hierarchy_.levels().size() - 1;
-    while (l > 0 && hierarchy_.levels()[l].rows() < 16) --l;
-    const Index rows = hierarchy_.levels()[l].rows();
-    if (rows >= 16) return from_coarsest<16>(l);
-    if (rows >= 4) return from_coarsest<4>(l);
+    const auto rows = [&] { return hierarchy_.levels()[l].rows(); };
+    // A coarsest level too small for the largest block is good for one of 8, which is nearly always enough.
+    if (l > 0 && rows() >= 8 && rows() < 16) {
+      Refined result = from_coarsest<8>(l);
+      if (result.end != Refined::End::narrow) return result;
+    }
+    while (l > 0 && rows() < 16) --l;
+    if (rows() >= 16) return from_coarsest<16>(l);
+    if (rows() >= 4) return from_coarsest<4>(l);
     return {};
   }
 
