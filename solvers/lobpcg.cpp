@@ -30,6 +30,8 @@ constexpr double negligible = 1e-2;
 constexpr Eigen::Index factorised_rows = 512;
 /// A coarsest level of so many rows is solved directly, in a few milliseconds.
 constexpr Index direct_rows = 96;
+/// A factor of more rows than this takes minutes and more than 5 GB: it is not made unasked.
+constexpr Eigen::Index factorisable_rows = 3'000'000;
 /// Steps of block LOBPCG from random vectors on a larger coarsest level, and on the levels between.
 constexpr int coarsest_steps = 6;
 constexpr int level_steps = 3;
@@ -295,11 +297,11 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   result.report.solver = "LOBPCG, multigrid";
   result.report.next = refined.next / unit;
   conclude(problem, options, result);
-  if (!result.report.converged && refined.iterations < options.max_iterations) {
-    return directly(problem, options,
-                    "LOBPCG stopped at a residual of " + std::to_string(result.report.residual) + " after " +
-                        std::to_string(refined.iterations) + " iterations: factorised instead");
-  }
+  if (result.report.converged || refined.iterations >= options.max_iterations) return result;
+  const std::string why = "LOBPCG stopped at a residual of " + std::to_string(result.report.residual) + " after " +
+                          std::to_string(refined.iterations) + " iterations: ";
+  if (problem.S.rows() <= factorisable_rows) return directly(problem, options, why + "factorised instead");
+  result.report.message = why + "too large to be factorised instead";
   return result;
 }
 

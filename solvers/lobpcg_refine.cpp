@@ -73,9 +73,9 @@ class Refinement {
       if (residual_ < 0.7 * best) {
         best = residual_;
         since_best = 0;
-      } else if (++since_best >= patience) {
-        if (changes++ == most_changes) break;
-        mates_ = !mates_;
+      } else if (++since_best >= (mates() ? patience : longest)) {
+        if (!mates() || changes++ == most_changes) break;
+        with_mates_ = !with_mates_;
         best = 1e300;
         since_best = 0;
         forget_p();
@@ -102,8 +102,8 @@ class Refinement {
   static constexpr double rounding = 3e-7;
   /// As long as the residual is large everything helps.
   static constexpr double large = 1e-2;
-  /// No progress: no gain of 30 % in so many iterations.
-  static constexpr int patience = 4;
+  /// No progress: no gain of 30 % in so many iterations; where there are no mates, nothing but patience helps.
+  static constexpr int patience = 4, longest = 15;
   static constexpr int most_changes = 6;
   static constexpr Eigen::Index size = K + 2;
 
@@ -153,15 +153,23 @@ class Refinement {
     }
   }
 
+  /// Whether neighbour k has an eigenvalue beyond that of x by more than this part of it.
+  [[nodiscard]] bool apart(int k, double part) const {
+    return S_(k, k).real() > (lambda_ + part * std::max(lambda_, options_.floor)) * M_(k, k).real();
+  }
+
+  /// Whether x has mates that may come and go.
+  [[nodiscard]] bool mates() const {
+    for (int k = at_y; k < size; ++k)
+      if (apart(k, rounding) && !apart(k, mates_apart)) return true;
+    return false;
+  }
+
   /// x, w, p and the neighbours, with or without the mates of x.
   void choose_neighbours() {
-    const double apart = lambda_ + (mates_ ? rounding : mates_apart) * std::max(lambda_, options_.floor);
     basis_ = {at_x, at_w, at_p};
-    for (int k = 1; k < K; ++k) {
-      const int at = at_y + k - 1;
-      const double theta = S_(at, at).real() / M_(at, at).real();
-      if (residual_ > large || theta > apart) basis_.push_back(at);
-    }
+    for (int k = at_y; k < size; ++k)
+      if (residual_ > large || apart(k, with_mates_ ? rounding : mates_apart)) basis_.push_back(k);
   }
 
   void forget_p() {
@@ -339,7 +347,7 @@ class Refinement {
   Dense old_S_, old_M_;  // products of the x before, with all
   complex<double> old_part_ = 0;
   bool p_used_ = false;
-  bool mates_ = true;  // whether they are in the basis
+  bool with_mates_ = true;
   double lambda_ = 0;
   double next_ = 0;
   double residual_ = 1;
