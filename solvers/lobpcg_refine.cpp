@@ -102,8 +102,9 @@ class Refinement {
   static constexpr double rounding = 3e-7;
   /// As long as the residual is large everything helps.
   static constexpr double large = 1e-2;
-  /// No progress: no gain of 30 % in so many iterations; where there are no mates, nothing but patience helps.
-  static constexpr int patience = 4, longest = 15;
+  /// No progress: no gain of 30 % in so many iterations. Where there are no mates, nothing but patience helps: the
+  /// worst triangles of a large scan take some iterations each, in which the residual hardly falls.
+  static constexpr int patience = 4, longest = 40;
   static constexpr int most_changes = 6;
   static constexpr Eigen::Index size = K + 2;
 
