@@ -21,9 +21,9 @@ struct Backend {
 };
 
 // One line per backend, the preferred one first: "auto" takes it. That is a factorisation, because most callers solve
-// often; who solves a complex system only a few times asks for "multigrid" by name. It is quicker up to 1 right-hand
-// side at 5K triangles, 4 at 20K, 10 at 80K and 8 at 330K (docs/performance.md). Real systems go through complex
-// multigrid and gain less.
+// often; who solves a complex system only a few times asks for "multigrid" by name. It is quicker up to
+// about 15 right-hand sides from 50K triangles on (docs/performance.md). Real systems go through complex multigrid and
+// gain less.
 const auto backends = std::to_array<Backend>({
 #ifdef ALCAP_WITH_CHOLMOD
     {"cholmod", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::automatic, o); },

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // lobpcg.cpp: smallest eigenpair by a cascade: block LOBPCG (Knyazev 2001) on every level of the multigrid hierarchy of
-// S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; then one vector in
-// double on the finest, with the consistent mass. The other vectors of the block stay in its basis, so that clusters of
-// eigenvalues (round spheres have 2n + 1 equal ones) do not slow it down.
+// S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; on the finest a few
+// steps with the problem's own matrices (lobpcg_finest.h), then one vector in double (lobpcg_refine.h). The other
+// vectors of the block stay in its basis, so that clusters of eigenvalues (round spheres have 2n + 1 equal ones) do not
+// slow it down.
 //
 // Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
 // and three double ones, whatever is more.
