@@ -104,8 +104,8 @@ class Refinement {
   static constexpr double large = 1e-2;
   /// No progress: no gain of 30 % in so many iterations. Where there are no mates, nothing but patience helps: the
   /// worst triangles of a large scan take some iterations each, in which the residual hardly falls.
-  static constexpr int patience = 4, longest = 40;
-  static constexpr int most_changes = 6;
+  static constexpr int patience = 2, longest = 40;
+  static constexpr int most_changes = 10;
   static constexpr Eigen::Index size = K + 2;
 
   /// The residual, its norm, lambda, and the products of x with itself, p and its neighbours.
