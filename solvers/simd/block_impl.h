@@ -36,10 +36,10 @@ void rows_single(const RawRows& A, long long begin, long long end, const float* 
       Four a;
       __builtin_memcpy(&a, A.value + 2 * e, sizeof a);
       // Pairs travel as doubles: one load each.
-      Two pairs;
-      __builtin_memcpy(&pairs[0], x + 2 * static_cast<long long>(A.column[e]), sizeof(double));
-      __builtin_memcpy(&pairs[1], x + 2 * static_cast<long long>(A.column[e + 1]), sizeof(double));
-      const Four z = reinterpret_cast<Four>(pairs);
+      double first, second;
+      __builtin_memcpy(&first, x + 2 * static_cast<long long>(A.column[e]), sizeof first);
+      __builtin_memcpy(&second, x + 2 * static_cast<long long>(A.column[e + 1]), sizeof second);
+      const Four z = reinterpret_cast<Four>(Two{first, second});
       re += Four{a[0], a[0], a[2], a[2]} * z;
       im += Four{a[1], a[1], a[3], a[3]} * z;
     }
