@@ -29,7 +29,7 @@ const auto methods = std::to_array<EigenBackend>({
 /// Up to here a dense solve is faster than one factorisation, and it has no special cases.
 constexpr Eigen::Index dense_rows = 48;
 /// From here on the cascade beats the factorisation, in CPU time by 1.2 to 2.4 times at 2,500 rows on tori, scans and
-/// round spheres alike, by 2 to 5 times at 41,000.
+/// round spheres alike, by 1.8 to 4.4 times at 41,000.
 constexpr Eigen::Index multigrid_rows = 2000;
 
 void validate(const detail::EigenProblem& problem, const EigenOptions& options) {

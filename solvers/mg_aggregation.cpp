@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // mg_aggregation.cpp: which vertices become one. Roots are found greedily in the order of the rows, on one thread
-// (three percent of a solve; cutting the rows into pieces that run side by side costs convergence where neighbours lie
+// (one percent of a solve; cutting the rows into pieces that run side by side costs convergence where neighbours lie
 // in different pieces); what stays over joins its strongest neighbour, in parallel.
 #include <algorithm>
 #include <atomic>
