@@ -138,6 +138,10 @@ class Cholmod final : public LinearSolver<Scalar> {
     Common common;
     cholmod_dense b = dense(const_cast<Scalar*>(B.data()), B.cols(), B.outerStride());
     Workspace w{&common.c};
+    // CHOLMOD would use its large workspace without a look at whether there was memory for it.
+    w.Y = cholmod_l_allocate_dense(static_cast<std::size_t>(rows_), static_cast<std::size_t>(B.cols()),
+                                   static_cast<std::size_t>(rows_), xtype<Scalar>, &common.c);
+    common.check("solve");
     if (X.cols() == 1 || X.outerStride() == rows_) {
       cholmod_dense x = dense(X.data(), X.cols(), rows_);
       cholmod_dense* in_place = &x;

@@ -6,6 +6,7 @@
 #include <Eigen/IterativeLinearSolvers>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "solvers/backends.h"
@@ -68,9 +69,15 @@ class EigenCg final : public LinearSolver<Scalar> {
     require_square(A);
     check_cancelled(options_.cancel);
     ready_ = false;
+    rows_ = 0;
+    guarded("Eigen CG analysis", [&] {
+      // Eigen's arrays do not survive a resize without memory: the old ones are given up first.
+      Matrix().swap(A_);
+      preconditioner_.emplace();
+      preconditioner_->factor.analyzePattern(A);
+    });
     rows_ = A.rows();
     nonzeros_ = A.nonZeros();
-    guarded("Eigen CG analysis", [&] { preconditioner_.factor.analyzePattern(A); });
     report_.analyse_seconds = timer.seconds();
   }
 
@@ -84,21 +91,21 @@ class EigenCg final : public LinearSolver<Scalar> {
     ready_ = false;
     guarded("Eigen CG factorisation", [&] {
       A_ = A;
-      preconditioner_.inverse_diagonal = A_.diagonal();
+      preconditioner_->inverse_diagonal = A_.diagonal();
       for (Eigen::Index j = 0; j < rows_; ++j) {
-        Scalar& d = preconditioner_.inverse_diagonal[j];
+        Scalar& d = preconditioner_->inverse_diagonal[j];
         if (!(std::real(d) > 0)) {
           throw SolveError("Eigen CG: the matrix is not positive definite (its diagonal is not positive at column " +
                            std::to_string(j) + ")");
         }
         d = 1 / std::real(d);
       }
-      preconditioner_.factor.factorize(A_);
-      if (preconditioner_.factor.info() == Eigen::Success) preconditioner_.inverse_diagonal.resize(0);
+      preconditioner_->factor.factorize(A_);
+      if (preconditioner_->factor.info() == Eigen::Success) preconditioner_->inverse_diagonal.resize(0);
     });
     ready_ = true;
     report_.factor_nonzeros =
-        preconditioner_.inverse_diagonal.size() > 0 ? rows_ : preconditioner_.factor.matrixL().nonZeros();
+        preconditioner_->inverse_diagonal.size() > 0 ? rows_ : preconditioner_->factor.matrixL().nonZeros();
     report_.factorise_seconds = timer.seconds();
   }
 
@@ -118,7 +125,7 @@ class EigenCg final : public LinearSolver<Scalar> {
   }
 
   [[nodiscard]] std::string name() const override {
-    return preconditioner_.inverse_diagonal.size() > 0 ? "eigen-cg (diagonal)" : "eigen-cg (incomplete Cholesky)";
+    return preconditioner_->inverse_diagonal.size() > 0 ? "eigen-cg (diagonal)" : "eigen-cg (incomplete Cholesky)";
   }
 
  private:
@@ -128,7 +135,7 @@ class EigenCg final : public LinearSolver<Scalar> {
   void column(const Eigen::Ref<const Vector>& b, Eigen::Ref<Vector> out, SolveReport& report) const {
     // The object keeps counts of its last solve: each solve has its own, on the same matrix and factor.
     Eigen::ConjugateGradient<Matrix, Eigen::Lower | Eigen::Upper, Applied<Scalar>> cg;
-    cg.preconditioner().bind(preconditioner_, options_.cancel);
+    cg.preconditioner().bind(*preconditioner_, options_.cancel);
     cg.setTolerance(options_.tolerance);
     cg.compute(A_);
     Vector x = Vector::Zero(rows_);
@@ -157,7 +164,7 @@ class EigenCg final : public LinearSolver<Scalar> {
 
   SolverOptions options_;
   Matrix A_;
-  Preconditioner<Scalar> preconditioner_;
+  std::optional<Preconditioner<Scalar>> preconditioner_{std::in_place};
   Eigen::Index rows_ = 0;
   Eigen::Index nonzeros_ = 0;
   bool ready_ = false;

@@ -4,6 +4,7 @@
 // dense blocks, so only for small problems and for embedders who build without CHOLMOD.
 #include <Eigen/SparseCholesky>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "solvers/backends.h"
@@ -21,9 +22,13 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     require_square(A);
     check_cancelled(cancel_);
     factorised_ = false;
+    rows_ = 0;
+    guarded("Eigen LDLT analysis", [&] {
+      ldlt_.emplace();  // Eigen's arrays do not survive a resize without memory: the old ones are given up first
+      ldlt_->analyzePattern(Wide(A));
+    });
     rows_ = A.rows();
     nonzeros_ = A.nonZeros();
-    guarded("Eigen LDLT analysis", [&] { ldlt_.analyzePattern(Wide(A)); });
     report_.analyse_seconds = timer.seconds();
   }
 
@@ -35,21 +40,12 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     }
     check_cancelled(cancel_);
     factorised_ = false;
-    guarded("Eigen LDLT factorisation", [&] { ldlt_.factorize(Wide(A)); });
-    if (ldlt_.info() != Eigen::Success) throw SolveError("Eigen LDLT: the matrix is singular (zero pivot)");
-    const auto pivots = ldlt_.vectorD();
-    const VectorX<double> diagonal = A.diagonal().real();
-    for (Eigen::Index k = 0; k < rows_; ++k) {
-      const Eigen::Index column = ldlt_.permutationPinv().indices()[k];
-      const double pivot = std::real(pivots[k]);
-      if (pivot > singular_pivot * diagonal[column]) continue;
-      throw SolveError(std::string("Eigen LDLT: the matrix is ") +
-                       (pivot < -singular_pivot * std::abs(diagonal[column]) ? "not positive definite"
-                                                                             : "singular to working precision") +
-                       " (found at column " + std::to_string(column) + ")");
-    }
+    guarded("Eigen LDLT factorisation", [&] {
+      ldlt_->factorize(Wide(A));
+      check_pivots(A);
+    });
     factorised_ = true;
-    report_.factor_nonzeros = ldlt_.matrixL().nestedExpression().nonZeros() + rows_;
+    report_.factor_nonzeros = ldlt_->matrixL().nestedExpression().nonZeros() + rows_;
     report_.factorise_seconds = timer.seconds();
   }
 
@@ -58,7 +54,7 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     if (!factorised_) throw SolveError("Eigen LDLT: solve() before factorise()");
     require_sizes(B, X, rows_);
     check_cancelled(cancel_);
-    guarded("Eigen LDLT solve", [&] { X = ldlt_.solve(B); });
+    guarded("Eigen LDLT solve", [&] { X = ldlt_->solve(B); });
     SolveReport report = report_;
     report.solver = name();
     report.converged = true;
@@ -72,8 +68,23 @@ class EigenLdlt final : public LinearSolver<Scalar> {
   // 64-bit indices: the factor of a few million rows has more than 2^31 entries.
   using Wide = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, std::int64_t>;
 
+  void check_pivots(const SparseMatrix<Scalar>& A) const {
+    if (ldlt_->info() != Eigen::Success) throw SolveError("Eigen LDLT: the matrix is singular (zero pivot)");
+    const auto pivots = ldlt_->vectorD();
+    const VectorX<double> diagonal = A.diagonal().real();
+    for (Eigen::Index k = 0; k < rows_; ++k) {
+      const Eigen::Index column = ldlt_->permutationPinv().indices()[k];
+      const double pivot = std::real(pivots[k]);
+      if (pivot > singular_pivot * diagonal[column]) continue;
+      throw SolveError(std::string("Eigen LDLT: the matrix is ") +
+                       (pivot < -singular_pivot * std::abs(diagonal[column]) ? "not positive definite"
+                                                                             : "singular to working precision") +
+                       " (found at column " + std::to_string(column) + ")");
+    }
+  }
+
   std::function<bool()> cancel_;
-  Eigen::SimplicialLDLT<Wide, Eigen::Lower, Eigen::AMDOrdering<std::int64_t>> ldlt_;
+  std::optional<Eigen::SimplicialLDLT<Wide, Eigen::Lower, Eigen::AMDOrdering<std::int64_t>>> ldlt_;
   Eigen::Index rows_ = 0;
   Eigen::Index nonzeros_ = 0;
   bool factorised_ = false;
