@@ -12,6 +12,7 @@
 #include "alcap/detail/random.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
+#include "mesh_case.h"
 
 namespace alcap::test {
 
@@ -20,12 +21,7 @@ using Vec = ComplexVectorX<double>;
 using Row = Eigen::RowVector3d;
 inline constexpr C I(0, 1);
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  explicit Case(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
-};
+using Case = MeshCase;
 
 inline Vec random_field(const Mesh& mesh, detail::Random& random) {
   Vec u(mesh.vertices());

@@ -9,6 +9,7 @@
 
 #include "alcap/designer.h"
 #include "alcap/generators.h"
+#include "mesh_case.h"
 
 using namespace alcap;
 
@@ -17,18 +18,8 @@ namespace {
 using C = Complex<double>;
 using Row = Eigen::RowVector3d;
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
-  std::shared_ptr<const Frames<double>> frames;
-  explicit Case(Surface s)
-      : surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        connection(globally_optimal(mesh, geometry)),
-        frames(std::make_shared<const Frames<double>>(vertex_frames(mesh, surface.V, connection))) {}
+struct Case : test::FramedCase {
+  using FramedCase::FramedCase;
   [[nodiscard]] Field<double> curvature(const CurvatureOptions& options) const {
     return curvature_field(mesh, surface.V, geometry, connection, frames, options);
   }

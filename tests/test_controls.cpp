@@ -15,6 +15,7 @@
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
+#include "mesh_case.h"
 
 using namespace alcap;
 
@@ -22,16 +23,8 @@ namespace {
 
 using C = Complex<double>;
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
-  explicit Case(Surface s)
-      : surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        connection(globally_optimal(mesh, geometry)) {}
+struct Case : test::ConnectedCase {
+  using ConnectedCase::ConnectedCase;
   [[nodiscard]] Designer designer(const DesignerOptions& options) const {
     return Designer(mesh, surface.V, geometry, connection, options);
   }

@@ -11,41 +11,16 @@
 #include <vector>
 
 #include "alcap/connection.h"
-#include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
 #include "mesh_helpers.h"
+#include "solver_fixture.h"
 
 using namespace alcap;
-using Z = std::complex<double>;
-using Hermitian = SparseMatrix<Z>;
-using Dense = MatrixX<Z>;
+using namespace alcap::test;
 
 namespace {
-
-struct Problem {
-  Hermitian S, M;
-  double area = 0;
-};
-
-Problem problem_of(const Mesh& mesh, const Geometry<double>& geometry, int n) {
-  const HermitianPattern pattern(mesh);
-  auto matrices = stiffness_and_mass(mesh, pattern, geometry, polar(mesh, geometry), n);
-  Problem p{.S = std::move(matrices.S), .M = std::move(matrices.M)};
-  for (Index t = 0; t < mesh.faces(); ++t) p.area += geometry.area(t);
-  return p;
-}
-
-Problem problem_of(const Surface& surface, int n) {
-  const Mesh mesh(surface.F, surface.V.rows());
-  return problem_of(mesh, Geometry<double>(mesh, surface.V), n);
-}
-
-double true_residual(const Problem& p, const EigenResult& r) {
-  const ComplexVectorX<double> Mu = p.M * r.u;
-  return (p.S * r.u - r.report.lambda * Mu).norm() / (std::max(r.report.lambda, 1 / p.area) * Mu.norm());
-}
 
 EigenResult solve(const Problem& p, const EigenOptions& options) {
   const EigenResult r = smallest_eigenpair(p.S, p.M, p.area, options);
@@ -120,7 +95,7 @@ TEST_CASE("a flat torus has the eigenvalue 0: recognised, with the covariantly c
   const auto geometry = Geometry<double>::from_lengths(mesh, lengths);
   for (const int n : {1, 4}) {
     CAPTURE(n);
-    const Problem p = problem_of(mesh, geometry, n);
+    const Problem p = problem_of(mesh, geometry, polar(mesh, geometry), n);
     const EigenResult r = cascade(p);
     CHECK(std::abs(r.report.lambda) <= 1e-7);
     CHECK(r.report.next == doctest::Approx(4 * pi<double> * pi<double>).epsilon(0.05));
@@ -132,7 +107,7 @@ TEST_CASE("a shuffled mesh has the same eigenvalue in about as many iterations")
   const Surface s = bumpy_sphere(4, 0.3, 5);
   const EigenResult plain = cascade(problem_of(s, 4));
   const EigenResult shuffled =
-      cascade(problem_of(test::relabelled(s, test::random_order(s.V.rows(), 7), test::random_order(s.F.rows(), 8)), 4));
+      cascade(problem_of(relabelled(s, random_order(s.V.rows(), 7), random_order(s.F.rows(), 8)), 4));
   CHECK(std::abs(plain.report.lambda - shuffled.report.lambda) <= 1e-9 * plain.report.lambda);
   CHECK(std::abs(plain.report.iterations - shuffled.report.iterations) <= 5);
 }

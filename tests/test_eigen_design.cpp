@@ -10,6 +10,7 @@
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
+#include "mesh_case.h"
 #include "mesh_helpers.h"
 
 using namespace alcap;
@@ -19,16 +20,8 @@ namespace {
 using C = Complex<double>;
 using Row = Eigen::RowVector3d;
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
-  explicit Case(Surface s)
-      : surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        connection(globally_optimal(mesh, geometry)) {}
+struct Case : test::ConnectedCase {
+  using ConnectedCase::ConnectedCase;
   [[nodiscard]] SurfacePolyline stroke(const std::function<Row(double)>& curve, int pieces, double scale = 1) const {
     Positions<double> points(pieces + 1, 3);
     for (int k = 0; k <= pieces; ++k) points.row(k) = scale * curve(double(k) / pieces);

@@ -9,25 +9,15 @@
 #include "alcap/operators.h"
 #include "alcap/parallel.h"
 #include "alcap/singularities.h"
+#include "mesh_case.h"
 
 using namespace alcap;
 
 namespace {
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Topology topology;
-  Connection<double> connection;
-  std::shared_ptr<const Frames<double>> frames;
-  explicit Case(Surface s)
-      : surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        topology(find_topology(mesh)),
-        connection(globally_optimal(mesh, geometry)),
-        frames(std::make_shared<Frames<double>>(vertex_frames(mesh, surface.V, connection))) {}
+struct Case : test::FramedCase {
+  using FramedCase::FramedCase;
+  Topology topology = find_topology(mesh);
   [[nodiscard]] SmoothestResult smoothest(int n, double s = 0) const {
     return smoothest_field(mesh, geometry, connection, frames, {.n = n, .s = s});
   }

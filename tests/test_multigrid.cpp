@@ -9,48 +9,22 @@
 #include <string>
 #include <vector>
 
-#include "alcap/connection.h"
-#include "alcap/detail/random.h"
-#include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
+#include "solver_fixture.h"
 
 using namespace alcap;
-using Z = std::complex<double>;
-using Hermitian = SparseMatrix<Z>;
-using Dense = MatrixX<Z>;
+using namespace alcap::test;
 
 namespace {
 
-struct Problem {
-  Hermitian S, M;
-  double area = 0;
-  Index edges_against = 0;  // couplings against the transport
-};
-
-Problem connection_laplacian(const Surface& surface, int n) {
-  const Mesh mesh(surface.F, surface.V.rows());
-  const Geometry<double> geometry(mesh, surface.V);
-  const HermitianPattern pattern(mesh);
-  auto matrices = stiffness_and_mass(mesh, pattern, geometry, polar(mesh, geometry), n);
-  Problem p{.S = std::move(matrices.S), .M = std::move(matrices.M)};
-  for (Index t = 0; t < mesh.faces(); ++t) p.area += geometry.area(t);
-  for (Eigen::Index k = 0; k < p.S.nonZeros(); ++k) {
-    if (std::real(p.S.valuePtr()[k] * std::conj(p.M.valuePtr()[k])) > 0) ++p.edges_against;
-  }
-  p.edges_against = (p.edges_against - mesh.vertices()) / 2;
-  return p;
-}
-
-Dense random_vector(Eigen::Index rows, std::uint64_t seed) {
-  detail::Random random(seed);
-  Dense b(rows, 1);
-  for (Z& z : b.reshaped()) {
-    const double re = random.uniform(-1, 1);
-    z = {re, random.uniform(-1, 1)};
-  }
-  return b;
+/// Couplings against the transport: of obtuse triangles.
+Index edges_against(const Problem& p) {
+  Index entries = 0;
+  for (Eigen::Index k = 0; k < p.S.nonZeros(); ++k)
+    if (std::real(p.S.valuePtr()[k] * std::conj(p.M.valuePtr()[k])) > 0) ++entries;
+  return (entries - static_cast<Index>(p.S.rows())) / 2;
 }
 
 struct Run {
@@ -63,7 +37,7 @@ Run solve(const Hermitian& A, const Hermitian* transport, double tolerance = 1e-
   if (transport != nullptr) solver->set_transport(*transport);
   solver->analyse(A);
   solver->factorise(A);
-  const Dense b = random_vector(A.rows(), 1);
+  const Dense b = random_dense(A.rows(), 1, 1);
   Run run{.x = Dense(A.rows(), 1), .report = {}};
   run.report = solver->solve(b, run.x);
   CHECK(run.report.converged);
@@ -72,7 +46,7 @@ Run solve(const Hermitian& A, const Hermitian* transport, double tolerance = 1e-
   return run;
 }
 
-Run solve(const Problem& p) { return solve(Hermitian(2.0 * p.S + 1 / p.area * p.M), &p.M); }
+Run solve(const Problem& p) { return solve(p.shifted(), &p.M); }
 
 }  // namespace
 
@@ -84,7 +58,7 @@ TEST_CASE("iterations stay the same from mesh to mesh, for every family and degr
       CAPTURE(level);
       for (const Surface& surface : {icosphere(level), jittered_sphere(level, 0.2, 1),
                                      torus_random_diagonals(5 << level, 2 << level, 1, 0.4, 2)}) {
-        const int iterations = solve(connection_laplacian(surface, n)).report.iterations;
+        const int iterations = solve(problem_of(surface, n)).report.iterations;
         CHECK(iterations <= 14);
         if (level == 3) first = std::max(first, iterations);
         if (level > 3) CHECK(iterations <= first + 3);
@@ -96,17 +70,17 @@ TEST_CASE("iterations stay the same from mesh to mesh, for every family and degr
 TEST_CASE("boundaries, holes and obtuse triangles") {
   for (const int n : {1, 4}) {
     CAPTURE(n);
-    CHECK(solve(connection_laplacian(disk(60), n)).report.iterations <= 14);
-    CHECK(solve(connection_laplacian(cylinder(100, 80), n)).report.iterations <= 14);
-    const Problem scan = connection_laplacian(noisy_scan(6, 0.2, 3), n);
-    CHECK(scan.edges_against > 1000);
+    CHECK(solve(problem_of(disk(60), n)).report.iterations <= 14);
+    CHECK(solve(problem_of(cylinder(100, 80), n)).report.iterations <= 14);
+    const Problem scan = problem_of(noisy_scan(6, 0.2, 3), n);
+    CHECK(edges_against(scan) > 1000);
     CHECK(solve(scan).report.iterations <= 20);
   }
 }
 
 TEST_CASE("the gauge does not matter: same iterations, turned solution") {
-  const Problem p = connection_laplacian(icosphere(5), 4);
-  const Hermitian A = 2.0 * p.S + 1 / p.area * p.M;
+  const Problem p = problem_of(icosphere(5), 4);
+  const Hermitian A = p.shifted();
   detail::Random random(4);
   ComplexVectorX<double> gauge(A.rows());
   for (Z& z : gauge) z = std::polar(1.0, random.uniform(-pi<double>, pi<double>));
@@ -121,7 +95,7 @@ TEST_CASE("the gauge does not matter: same iterations, turned solution") {
 }
 
 TEST_CASE("bitwise the same for 1, 2 and 4 threads") {
-  const Problem p = connection_laplacian(jittered_sphere(5, 0.2, 5), 2);
+  const Problem p = problem_of(jittered_sphere(5, 0.2, 5), 2);
   std::vector<Run> runs(3);
   for (const int i : {0, 1, 2}) run_with_threads(1 << i, [&] { runs[static_cast<std::size_t>(i)] = solve(p); });
   CHECK(runs[0].x == runs[1].x);
@@ -158,7 +132,7 @@ TEST_CASE("many components, one large star, isolated rows, no rows to coarsen") 
 
 TEST_CASE("nearly singular: a flat connection with a tiny shift") {
   // Cotangent Laplacian of a sphere without its connection: the constants are its kernel.
-  const Problem p = connection_laplacian(icosphere(5), 1);
+  const Problem p = problem_of(icosphere(5), 1);
   Hermitian A = p.S;
   for (Index j = 0; j < A.cols(); ++j) {
     double sum = 0;
@@ -185,18 +159,18 @@ TEST_CASE("what it cannot do is said") {
   solver->analyse(bad);
   CHECK_THROWS_AS(solver->factorise(bad), SolveError);
 
-  const Problem p = connection_laplacian(icosphere(4), 1);
+  const Problem p = problem_of(icosphere(4), 1);
   const Hermitian indefinite = p.S - 50 / p.area * p.M;
   solver->analyse(indefinite);
   solver->factorise(indefinite);
   Dense x(indefinite.rows(), 1);
-  CHECK_THROWS_AS(solver->solve(random_vector(x.rows(), 2), x), SolveError);
+  CHECK_THROWS_AS(solver->solve(random_dense(x.rows(), 1, 2), x), SolveError);
 
   auto limited = make_linear_solver<Z>({.name = "multigrid", .tolerance = 1e-12, .max_iterations = 2});
   const Hermitian A = p.S + p.M;
   limited->analyse(A);
   limited->factorise(A);
-  const SolveReport report = limited->solve(random_vector(x.rows(), 2), x);
+  const SolveReport report = limited->solve(random_dense(x.rows(), 1, 2), x);
   CHECK(!report.converged);
   CHECK(report.iterations == 2);
   CHECK(report.residual > 1e-12);
@@ -208,14 +182,14 @@ TEST_CASE("what it cannot do is said") {
 }
 
 TEST_CASE("where the cycles stall, the matrix is factorised, and the report says so") {
-  const Problem p = connection_laplacian(cad_like(2000, 3), 4);  // needles hundreds of times longer than wide
+  const Problem p = problem_of(cad_like(2000, 3), 4);  // needles hundreds of times longer than wide
   const Hermitian A = Hermitian(p.S + Z(1 / p.area) * p.M);
   const auto solver = make_linear_solver<Z>({.name = "multigrid", .tolerance = 1e-9});
   solver->set_transport(p.M);
   solver->analyse(A);
   solver->factorise(A);
   Dense B(A.rows(), 2), X(A.rows(), 2);
-  B << random_vector(A.rows(), 1), random_vector(A.rows(), 2);
+  B << random_dense(A.rows(), 1, 1), random_dense(A.rows(), 1, 2);
   const SolveReport report = solver->solve(B, X);
   CHECK(report.converged);
   CHECK(residual<Z>(A, X, B) <= 1e-9);

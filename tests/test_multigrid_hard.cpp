@@ -12,51 +12,16 @@
 #include <vector>
 
 #include "alcap/connection.h"
-#include "alcap/detail/random.h"
-#include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
 #include "mesh_helpers.h"
+#include "solver_fixture.h"
 
 using namespace alcap;
-using Z = std::complex<double>;
-using Hermitian = SparseMatrix<Z>;
-using Dense = MatrixX<Z>;
+using namespace alcap::test;
 
 namespace {
-
-struct Shape {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  explicit Shape(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
-};
-
-struct Problem {
-  Hermitian S, M;
-  double area = 0;
-};
-
-Problem problem_of(const Shape& shape, const Connection<double>& connection, int n) {
-  auto matrices = stiffness_and_mass(shape.mesh, HermitianPattern(shape.mesh), shape.geometry, connection, n);
-  return {.S = std::move(matrices.S), .M = std::move(matrices.M), .area = shape.geometry.total_area()};
-}
-
-Problem problem_of(Surface surface, int n) {
-  const Shape shape(std::move(surface));
-  return problem_of(shape, polar(shape.mesh, shape.geometry), n);
-}
-
-Dense random_vector(Eigen::Index rows, std::uint64_t seed) {
-  detail::Random random(seed);
-  Dense b(rows, 1);
-  for (Z& z : b.reshaped()) {
-    const double re = random.uniform(-1, 1);
-    z = {re, random.uniform(-1, 1)};
-  }
-  return b;
-}
 
 struct Run {
   Dense x, b;
@@ -66,12 +31,12 @@ struct Run {
 
 /// (2 S + weight / area M) x = b by multigrid alone, to 1e-8.
 Run solve(const Problem& p, double weight = 1) {
-  const Hermitian A = 2.0 * p.S + weight / p.area * p.M;
+  const Hermitian A = p.shifted(weight);
   const auto solver = make_linear_solver<Z>({.name = "multigrid", .tolerance = 1e-8, .max_iterations = 200});
   solver->set_transport(p.M);
   solver->analyse(A);
   solver->factorise(A);
-  Run run{.x = Dense(A.rows(), 1), .b = random_vector(A.rows(), 1), .report = {}};
+  Run run{.x = Dense(A.rows(), 1), .b = random_dense(A.rows(), 1, 1), .report = {}};
   run.report = solver->solve(run.b, run.x);
   const double after = residual<Z>(A, run.x, run.b);
   CHECK(run.report.solver == "multigrid");
@@ -84,7 +49,7 @@ Run solve(const Problem& p, double weight = 1) {
 void refine(const std::function<Surface(int)>& family) {
   std::vector<int> first(7);
   for (const int level : {3, 4, 5, 6, 7}) {
-    const Shape shape(family(level));
+    const MeshCase shape(family(level));
     const Connection<double> connection = polar(shape.mesh, shape.geometry);
     for (const int n : {1, 2, 3, 4, 5, 6}) {
       CAPTURE(level);
@@ -138,7 +103,7 @@ TEST_CASE("no growth over four refinements: noisy scan") {
 
 TEST_CASE("trivial connections, flat but for their cones") {
   for (const int level : {4, 5}) {
-    const Shape shape(jittered_sphere(level, 0.2, 1));
+    const MeshCase shape(jittered_sphere(level, 0.2, 1));
     for (const int n : {1, 2, 4}) {
       std::vector<Cone> cones;
       for (Index k = 0; k < 2 * n; ++k) cones.push_back({k * (shape.mesh.vertices() / (2 * n)), 1.0 / n});
@@ -151,7 +116,7 @@ TEST_CASE("trivial connections, flat but for their cones") {
 }
 
 TEST_CASE("a fifth of the triangles obtuse") {
-  const Shape shape(jittered_sphere(6, 0.4, 2));
+  const MeshCase shape(jittered_sphere(6, 0.4, 2));
   int obtuse = 0;
   for (Index t = 0; t < shape.mesh.faces(); ++t) {
     const auto cot = [&](Index c) { return shape.geometry.cot(3 * t + c); };
@@ -167,7 +132,7 @@ TEST_CASE("a fifth of the triangles obtuse") {
 
 TEST_CASE("shuffled numbers: as many iterations, give or take one") {
   const Surface s = jittered_sphere(6, 0.2, 4);
-  const Surface shuffled = test::relabelled(s, test::random_order(s.V.rows(), 7), test::random_order(s.F.rows(), 8));
+  const Surface shuffled = relabelled(s, random_order(s.V.rows(), 7), random_order(s.F.rows(), 8));
   for (const int n : {1, 4}) {
     CAPTURE(n);
     const Run a = solve(problem_of(s, n)), b = solve(problem_of(shuffled, n));
@@ -186,7 +151,7 @@ TEST_CASE("a thousand pieces, and one vertex of valence 2,000") {
 
 TEST_CASE("all but singular: a parallel field exists, and the shift is tiny") {
   // No cone on a torus: its trivial connection has a parallel field of every degree.
-  const Shape shape(torus_random_diagonals(96, 40, 1, 0.4, 5));
+  const MeshCase shape(torus_random_diagonals(96, 40, 1, 0.4, 5));
   const Connection<double> connection = trivial(shape.mesh, shape.geometry, {}, {.n = 4});
   const Problem p = problem_of(shape, connection, 4);
   for (const double weight : {1e-2, 1e-4, 1e-5}) {

@@ -15,11 +15,10 @@
 #include "alcap/memory.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
+#include "solver_fixture.h"
 
 using namespace alcap;
-using Z = std::complex<double>;
-using Hermitian = SparseMatrix<Z>;
-using Dense = MatrixX<Z>;
+using namespace alcap::test;
 
 namespace {
 
@@ -95,16 +94,6 @@ Hermitian consistent_mass(const Hermitian& A) {
   return M;
 }
 
-Dense random_dense(Eigen::Index rows, Eigen::Index cols, std::uint64_t seed) {
-  detail::Random random(seed);
-  Dense X(rows, cols);
-  for (Z& z : X.reshaped()) {
-    const double re = random.uniform(-1, 1);
-    z = {re, random.uniform(-1, 1)};
-  }
-  return X;
-}
-
 SolverOptions backend(const std::string& name) { return {.name = name, .tolerance = 1e-13}; }
 
 /// Backends that see every pivot, and so what is wrong with a matrix.
@@ -126,11 +115,6 @@ Dense solve(const std::string& name, const Hermitian& A, const Dense& B) {
 
 VectorX<double> dense_spectrum(const Hermitian& S, const Hermitian& M) {
   return Eigen::GeneralizedSelfAdjointEigenSolver<Dense>(Dense(S), Dense(M), Eigen::EigenvaluesOnly).eigenvalues();
-}
-
-double true_residual(const Hermitian& S, const Hermitian& M, double area, const EigenResult& r) {
-  const ComplexVectorX<double> Mu = M * r.u;
-  return (S * r.u - r.report.lambda * Mu).norm() / (std::max(r.report.lambda, 1 / area) * Mu.norm());
 }
 
 }  // namespace

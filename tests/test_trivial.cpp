@@ -5,21 +5,15 @@
 #include "alcap/design.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
+#include "mesh_case.h"
 
 using namespace alcap;
 
 namespace {
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Topology topology;
-  explicit Case(Surface s)
-      : surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        topology(find_topology(mesh)) {}
+struct Case : test::MeshCase {
+  using MeshCase::MeshCase;
+  Topology topology = find_topology(mesh);
 
   // Whether face t touches one of the cones.
   [[nodiscard]] bool touches(Index t, const std::vector<Cone>& cones) const {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+//
+// mesh_case.h: a surface with what tests need of it: mesh and geometry, a connection, frames. A test adds its own
+// questions by deriving from one of them.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "alcap/connection.h"
+#include "alcap/frames.h"
+#include "alcap/generators.h"
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+
+namespace alcap::test {
+
+struct MeshCase {
+  Surface surface;
+  Mesh mesh;
+  Geometry<double> geometry;
+  explicit MeshCase(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
+};
+
+/// With the globally optimal connection.
+struct ConnectedCase : MeshCase {
+  using MeshCase::MeshCase;
+  Connection<double> connection = globally_optimal(mesh, geometry);
+};
+
+struct FramedCase : ConnectedCase {
+  using ConnectedCase::ConnectedCase;
+  std::shared_ptr<const Frames<double>> frames =
+      std::make_shared<const Frames<double>>(vertex_frames(mesh, surface.V, connection));
+};
+
+}  // namespace alcap::test
