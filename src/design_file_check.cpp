@@ -2,6 +2,7 @@
 //
 // design_file_check.cpp: what the values of a design must be, with and without a mesh.
 #include <cmath>
+#include <set>
 #include <string>
 
 #include "alcap/design_file.h"
@@ -14,7 +15,8 @@ namespace {
 using detail::number_text;
 using detail::Problem;
 
-constexpr int largest_n = 1000;  // as `alcap field`
+constexpr int largest_n = 1000;     // as `alcap field`
+constexpr double farthest = 1e150;  // of a point: distances are squared
 
 std::string text(const std::array<double, 3>& x) {
   return "[" + number_text(x[0]) + "," + number_text(x[1]) + "," + number_text(x[2]) + "]";
@@ -28,13 +30,19 @@ void check_finite(const std::string& path, double value) {
   if (!std::isfinite(value)) throw Problem{path, number_text(value), "must be finite"};
 }
 
-void check_point(const std::string& path, const Vector3& x) {
+void check_finite_vector(const std::string& path, const Vector3& x) {
   for (const double c : x)
     if (!std::isfinite(c)) throw Problem{path, text(x), "must be finite"};
 }
 
+void check_point(const std::string& path, const Vector3& x) {
+  check_finite_vector(path, x);
+  for (const double c : x)
+    if (std::abs(c) > farthest) throw Problem{path, text(x), "is too far away; coordinates go up to 1e150"};
+}
+
 void check_direction(const std::string& path, const Vector3& x) {
-  check_point(path, x);
+  check_finite_vector(path, x);
   if (x[0] == 0 && x[1] == 0 && x[2] == 0) throw Problem{path, text(x), "a direction must not be zero"};
 }
 
@@ -194,11 +202,11 @@ void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
     vertex(at("connection/cones", k) + "/vertex", design.connection.cones[k].vertex);
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     face(at("singularities", k) + "/face", design.singularities[k].face);
+  std::set<Index> fixed;
   for (std::size_t k = 0; k < design.fixed.size(); ++k) {
     vertex(at("fixed", k) + "/vertex", design.fixed[k].vertex);
-    for (std::size_t j = 0; j < k && design.fixed[k].vertex != none; ++j)
-      if (design.fixed[j].vertex == design.fixed[k].vertex)
-        throw Problem{at("fixed", k) + "/vertex", std::to_string(design.fixed[k].vertex), "is fixed twice"};
+    if (design.fixed[k].vertex != none && !fixed.insert(design.fixed[k].vertex).second)
+      throw Problem{at("fixed", k) + "/vertex", std::to_string(design.fixed[k].vertex), "is fixed twice"};
   }
   for (std::size_t k = 0; k < design.strokes.size(); ++k) {
     for (std::size_t p = 0; p < design.strokes[k].points.size(); ++p)

@@ -19,10 +19,16 @@ namespace {
 using Row = Eigen::RowVector3d;
 
 constexpr double degree = pi<double> / 180;
-// A direction whose tangential part is smaller than this, relative to its length, says nothing.
+// A unit direction whose tangential part is smaller than this says nothing.
 constexpr double tangential = 1e-6;
 
 Row row(const Vector3& x) { return {x[0], x[1], x[2]}; }
+
+/// Of length 1, also where the squares of the coordinates overflow or vanish.
+Row unit(const Vector3& direction) {
+  const Row d = row(direction);
+  return (d / d.cwiseAbs().maxCoeff()).normalized();
+}
 
 Index nearest_vertex(const Mesh& mesh, const Positions<double>& V, const Vector3& at) {
   Index best = none;
@@ -36,9 +42,9 @@ Index nearest_vertex(const Mesh& mesh, const Positions<double>& V, const Vector3
   return best;
 }
 
-/// The argument of a component; the direction is named when it is (nearly) normal to the surface.
+/// The argument of a unit direction's component; the direction is named when it is (nearly) normal to the surface.
 double direction(const std::string& path, const Vector3& given, Complex<double> component) {
-  if (!(std::abs(component) > tangential * row(given).norm()))
+  if (!(std::abs(component) > tangential))
     throw OptionError(path,
                       "[" + detail::number_text(given[0]) + "," + detail::number_text(given[1]) + "," +
                           detail::number_text(given[2]) + "]",
@@ -49,12 +55,12 @@ double direction(const std::string& path, const Vector3& given, Complex<double> 
 double face_direction(const std::string& path, const Mesh& mesh, const Positions<double>& V, Index t,
                       const Vector3& given) {
   const Row a = V.row(mesh.F()(t, 0)), x = (V.row(mesh.F()(t, 1)) - a).normalized();
-  const Row normal = x.cross(V.row(mesh.F()(t, 2)) - a).normalized(), d = row(given);
+  const Row normal = x.cross(V.row(mesh.F()(t, 2)) - a).normalized(), d = unit(given);
   return direction(path, given, {d.dot(x), d.dot(normal.cross(x))});
 }
 
 double vertex_direction(const std::string& path, const Frames<double>& frames, Index v, const Vector3& given) {
-  return direction(path, given, frames.component(v, row(given)));
+  return direction(path, given, frames.component(v, unit(given)));
 }
 
 double swirl(SingularityKind kind) {

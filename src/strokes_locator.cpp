@@ -15,6 +15,7 @@ namespace {
 
 using Point = Eigen::RowVector3d;
 constexpr Index leaf_size = 4;
+constexpr double farthest = 1e150;  // distances are squared
 
 /// Barycentric coordinates of the point of a triangle closest to x: the foot of the perpendicular, or the best of the
 /// three edges' closest points when the foot is outside.
@@ -98,6 +99,8 @@ Index SurfaceLocator::build(Index begin, Index end) {
 
 SurfacePoint SurfaceLocator::closest(const Eigen::RowVector3d& point) const {
   if (!point.allFinite()) throw OptionError("point", "not finite", "coordinates must be finite");
+  if (point.cwiseAbs().maxCoeff() > farthest)
+    throw OptionError("point", "too far away", "the square of its distance must not overflow");
   SurfacePoint best;
   double least = std::numeric_limits<double>::infinity();
   std::vector<std::pair<Index, double>> stack{{0, 0.0}};

@@ -221,6 +221,10 @@ TEST_CASE("every wrong value is named by its path and value") {
       {"/strokes/0/points/0/n", 7, "/strokes/0/points/0/n = 7: unknown key"},
       {"/fixed/0/angle", 3, "/fixed/0 = two directions: needs either direction or angle"},
       {"/fixed/0/direction", {0, 0, 0}, "/fixed/0/direction = [0,0,0]: a direction must not be zero"},
+      {"/fixed/2/at/0", 1e151, "/fixed/2/at = [1e+151,2,3]: is too far away"},
+      {"/connection/cones/3/at/2", -1e300, "/connection/cones/3/at = [0.1,0.2,-1e+300]: is too far away"},
+      {"/strokes/0/points/1/at/1", 1e200, "is too far away"},
+      {"/strokes/2/path/0/0", 1e200, "/strokes/2/path/0 = [1e+200,0,1]: is too far away"},
       {"/fixed/0/relative_to", {0, 0, 1}, "/fixed/0/relative_to = [0,0,1]: goes with angle"},
       {"/fixed/0/length", 0, "/fixed/0/length = 0: must be positive"},
       {"/fixed/0/length", "long", "/fixed/0/length = \"long\": must be one of free"},
@@ -422,6 +426,12 @@ TEST_CASE("angles: swirl of vectors, directions from the first edge or a directi
   CHECK_THROWS_AS(
       (void)orientation(2, {.face = 9, .kind = K::trisector, .relative_to = Vector3{normal[0], normal[1], normal[2]}}),
       OptionError);
+  // The length of a direction says nothing, not even where its square overflows or vanishes.
+  const auto towards = [&](double length) {
+    return orientation(2, {.face = 9, .kind = K::trisector, .relative_to = Vector3{length, 2 * length, -length}});
+  };
+  for (const double length : {1e-320, 1e-200, 1e200, 8e307})
+    CHECK(towards(length).orientation == doctest::Approx(towards(1).orientation).epsilon(1e-3));
 
   for (const int n : {1, 2, 3}) {
     DesignFile d;

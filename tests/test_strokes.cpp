@@ -9,6 +9,7 @@
 #include "alcap/detail/random.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
+#include "mesh_case.h"
 #include "mesh_helpers.h"
 
 using namespace alcap;
@@ -17,16 +18,9 @@ namespace {
 
 using Row = Eigen::RowVector3d;
 
-struct Case {
-  Surface surface;
-  Mesh mesh;
-  Geometry<double> geometry;
-  Frames<double> frames;
-  explicit Case(Surface s)
-      : surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        frames(face_frames(mesh, surface.V)) {}
+struct Case : test::MeshCase {
+  using MeshCase::MeshCase;
+  Frames<double> frames = face_frames(mesh, surface.V);
   [[nodiscard]] Row at(Index face, const std::array<double, 3>& b) const {
     Row x = Row::Zero();
     for (Index c = 0; c < 3; ++c) x += b[static_cast<std::size_t>(c)] * surface.V.row(mesh.F()(face, c));
@@ -255,6 +249,7 @@ TEST_CASE("projection agrees with brute force, near and far") {
       CHECK((s.at(p.face, p.barycentric) - x).norm() < 1e-12);
     }
   CHECK_THROWS_AS((void)locator.closest(Row(0, std::nan(""), 0)), OptionError);
+  CHECK_THROWS_AS((void)locator.closest(Row(0, 1e200, 0)), OptionError);
 }
 
 TEST_CASE("vertex paths follow edges, and the shortest ones between vertices that no edge joins") {

@@ -68,7 +68,7 @@ class SurfaceLocator {
   /// Copies what it needs. V is #V x 3.
   SurfaceLocator(const Mesh& mesh, const Positions<double>& V);
   /// The point of the surface that is closest to `point`; among equals the one in the smallest face. O(log F) usually.
-  /// Throws OptionError when `point` is not finite.
+  /// Throws OptionError when `point` is not finite or beyond 1e150.
   [[nodiscard]] SurfacePoint closest(const Eigen::RowVector3d& point) const;
 
  private:
