@@ -18,8 +18,7 @@
 
 #include "alcap/batch.h"
 #include "alcap/memory.h"
-#include "alcap/output.h"
-#include "outputs.h"
+#include "field_files.h"
 #include "report.h"
 
 namespace alcap::app {
@@ -120,19 +119,13 @@ class Lines {
 };
 
 void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const MeshFile& file, const FieldRun& run) {
-  const FieldOutput output{.mesh = run.mesh,
-                           .V = file.V,
-                           .geometry = run.geometry,
-                           .connection = run.connection,
-                           .field = run.field,
-                           .singularities = run.singularities};
   std::vector<std::filesystem::path> paths;
   for (const std::string& f : choice.formats) {
     std::string name = mesh.path.stem().string();
     name += "." + f;
     paths.push_back(choice.folder / name);
   }
-  (void)write_field(output, paths);
+  (void)write_field(output_of(run, file.V), paths);
 }
 
 /// The jobs share the cores among them. OpenBLAS, where it is what CHOLMOD calls, would start threads of its own in

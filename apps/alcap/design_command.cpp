@@ -10,12 +10,11 @@
 #include <memory>
 
 #include "alcap/memory.h"
-#include "alcap/output.h"
 #include "commands.h"
 #include "design_options.h"
 #include "design_report.h"
 #include "design_solve.h"
-#include "outputs.h"
+#include "field_files.h"
 #include "report.h"
 #include "shared_options.h"
 
@@ -40,8 +39,7 @@ constexpr double largest_residual = 1e-8;
 struct DesignOptionsGiven {
   MeshChoice mesh = {};
   DesignFlags flags = {};
-  std::filesystem::path output = {};
-  std::vector<std::string> formats = {};  // all
+  FilesChoice files = {};
   std::string solver = "auto";
   bool unit = false;
   bool explain = false;
@@ -50,20 +48,6 @@ struct DesignOptionsGiven {
 using Clock = std::chrono::steady_clock;
 
 double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
-
-std::vector<std::string> chosen_formats(const DesignOptionsGiven& options, const OutputPlan& plan) {
-  std::vector<std::string> known = field_formats();
-  if (options.formats.empty()) return known;
-  if (plan.kind != OutputPlan::Kind::folder)
-    throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",
-                  {{"option", "--formats"}});
-  for (const std::string& f : options.formats) {
-    if (std::find(known.begin(), known.end(), f) == known.end())
-      throw Failure(Exit::usage, fmt::format("--formats {}: unknown; known are {}", f, fmt::join(known, ", ")),
-                    {{"option", "--formats"}, {"value", f}});
-  }
-  return options.formats;
-}
 
 Outcome explain(const DesignOptionsGiven& options, const MeshFile& file, const DesignFile& design,
                 const DesignFile& placed, const FieldRun& run) {
@@ -80,10 +64,7 @@ Outcome explain(const DesignOptionsGiven& options, const MeshFile& file, const D
 
 Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const auto start = Clock::now();
-  std::vector<std::string> extensions;
-  for (const std::string& f : field_formats()) extensions.push_back("." + f);
-  const OutputPlan plan = options.explain ? OutputPlan{} : plan_output(options.output, extensions);
-  const std::vector<std::string> formats = chosen_formats(options, plan);
+  const OutputPlan plan = plan_files(options.files);
   DesignFile design = make_design(options.flags);
   if (!design.guidance.file.empty()) design.guidance.file = std::filesystem::absolute(design.guidance.file);
 
@@ -159,44 +140,25 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
 
   progress.phase("writing");
   lap = Clock::now();
-  const FieldOutput output{.mesh = run.mesh,
-                           .V = file.V,
-                           .geometry = run.geometry,
-                           .connection = run.connection,
-                           .field = run.field,
-                           .singularities = run.singularities};
-  const auto finish = [&](const std::vector<std::string>& files) {
-    report["times"] = {{"read", times.read},
-                       {"mesh", run.times.mesh},
-                       {"connection", run.times.connection},
-                       {"guidance", solved.guidance_seconds},
-                       {"prepare", solved.prepare_seconds},
-                       {"solve", solved.solve_seconds},
-                       {"analysis", run.times.analysis},
-                       {"write", seconds(lap)},
-                       {"total", seconds(start)}};
-    report["peak_memory_bytes"] = peak_memory_bytes();
-    report["files"] = files;
+  const auto write_asked = [&](const std::filesystem::path& folder) {
+    write_design(folder / "design.json", design);
+    return std::vector<std::string>{"design.json"};
   };
-  std::vector<std::string> files;
-  if (plan.kind == OutputPlan::Kind::file) {
-    write_guarded([&] {
-      for (const auto& path : write_field(output, plan.target)) files.push_back(path.string());
-    });
-    finish(files);
-  } else if (plan.kind == OutputPlan::Kind::folder) {
-    write_folder(plan.target, [&](const std::filesystem::path& folder) {
-      std::vector<std::filesystem::path> paths;
-      for (const std::string& f : formats) paths.push_back(folder / ("field." + f));
-      for (const auto& path : write_field(output, paths)) files.push_back((plan.target / path.filename()).string());
-      write_design(folder / "design.json", design);
-      for (const char* last : {"design.json", "report.json"}) files.push_back((plan.target / last).string());
-      finish(files);
-      write_text(folder / "report.json", report.dump(2) + "\n");
-    });
-  } else {
-    finish({});
-  }
+  write_files(plan, options.files, output_of(run, file.V), write_asked,
+              [&](const std::vector<std::string>& files) -> const Json& {
+                report["times"] = {{"read", times.read},
+                                   {"mesh", run.times.mesh},
+                                   {"connection", run.times.connection},
+                                   {"guidance", solved.guidance_seconds},
+                                   {"prepare", solved.prepare_seconds},
+                                   {"solve", solved.solve_seconds},
+                                   {"analysis", run.times.analysis},
+                                   {"write", seconds(lap)},
+                                   {"total", seconds(start)}};
+                report["peak_memory_bytes"] = peak_memory_bytes();
+                report["files"] = files;
+                return report;
+              });
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = design_summary(outcome.report);
@@ -215,14 +177,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
   app.footer(footer);
   add_mesh_options(app, options->mesh);
   add_design_options(app, options->flags);
-  app.add_option("-o,--output", options->output,
-                 "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
-                 "written")
-      ->type_name("OUT");
-  app.add_option("--formats", options->formats, "Of the files in the folder, only these: ply,vtp,rawfield,rosy,...")
-      ->type_name("LIST")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_files_options(app, options->files);
   app.add_flag("--unit,--normalise,--direction", options->unit,
                "Write unit directions instead of n-vectors of varying length");
   app.add_flag("--explain", options->explain, "Print what would be solved, and solve nothing");

@@ -310,13 +310,7 @@ std::string design_summary(const Json& report) {
                    singular["denominator"].get<int>(), singular["expected"].get<int>(),
                    singular["denominator"].get<int>()));
   line("time", fmt::format("{:.2f} s", report["times"]["total"].get<double>()));
-  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
-  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
-  std::string files;
-  for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
-  if (!files.empty()) line("wrote", files);
-  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
-  return text;
+  return text + summary_end(report);
 }
 
 }  // namespace alcap::app

@@ -10,11 +10,10 @@
 #include <span>
 
 #include "alcap/memory.h"
-#include "alcap/output.h"
 #include "batch_field.h"
 #include "commands.h"
+#include "field_files.h"
 #include "html_page.h"
-#include "outputs.h"
 #include "png_picture.h"
 #include "report.h"
 #include "shared_options.h"
@@ -43,8 +42,7 @@ constexpr const char* footer =
 struct FieldOptions {
   MeshChoice mesh = {};
   FieldRunOptions run = {};
-  std::filesystem::path output = {};
-  std::vector<std::string> formats = {};  // all
+  FilesChoice files = {};
   PictureOptions picture = {};
   std::filesystem::path html = {};  // no page
   BatchChoice batch = {};
@@ -94,38 +92,7 @@ std::string summary(const FieldOptions& options, const Json& report) {
   }
   line("time", fmt::format("{:.2f} s ({})", times["total"].get<double>(), phases));
   line("memory", fmt::format("{:.0f} MB at most", report["peak_memory_bytes"].get<double>() / 1e6));
-  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
-  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
-  std::string files;
-  for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
-  if (!files.empty()) line("wrote", files);
-  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
-  return text;
-}
-
-/// The formats asked for, all by default. Throws Failure(usage) for an unknown one.
-std::vector<std::string> chosen_formats(const FieldOptions& options) {
-  std::vector<std::string> known = field_formats();
-  if (options.formats.empty()) return known;
-  for (const std::string& f : options.formats) {
-    if (std::find(known.begin(), known.end(), f) != known.end()) continue;
-    std::string list;
-    for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-    throw Failure(Exit::usage, fmt::format("--formats {}: unknown; known are {}", f, list),
-                  {{"option", "--formats"}, {"value", f}});
-  }
-  return options.formats;
-}
-
-OutputPlan plan(const FieldOptions& options) {
-  std::vector<std::string> extensions;
-  for (const std::string& f : field_formats()) extensions.push_back("." + f);
-  OutputPlan plan = plan_output(options.output, extensions);
-  if (plan.kind != OutputPlan::Kind::folder && !options.formats.empty()) {
-    throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",
-                  {{"option", "--formats"}});
-  }
-  return plan;
+  return text + summary_end(report);
 }
 
 Outcome run(FieldOptions options, Progress& progress) {
@@ -134,8 +101,7 @@ Outcome run(FieldOptions options, Progress& progress) {
     return std::chrono::duration<double>(Clock::now() - from).count();
   };
   const auto start = Clock::now();
-  const std::vector<std::string> formats = chosen_formats(options);
-  const OutputPlan plan = app::plan(options);
+  const OutputPlan plan = plan_files(options.files);
   check_picture(options.picture);
   if (!options.html.empty()) {
     check_page();
@@ -154,39 +120,17 @@ Outcome run(FieldOptions options, Progress& progress) {
 
   progress.phase("writing");
   const auto write_start = Clock::now();
-  const FieldOutput output{.mesh = result.mesh,
-                           .V = file.V,
-                           .geometry = result.geometry,
-                           .connection = result.connection,
-                           .field = result.field,
-                           .singularities = result.singularities};
+  const FieldOutput output = output_of(result, file.V);
   Json report = field_report(options.mesh.path, file, result, options.run);
-  const auto finish = [&](const std::vector<std::string>& files) {
+  const auto no_others = [](const std::filesystem::path&) { return std::vector<std::string>{}; };
+  write_files(plan, options.files, output, no_others, [&](const std::vector<std::string>& files) -> const Json& {
     times.write = seconds(write_start);
     times.total = seconds(start);
     report["times"] = times_json(result.times, times);
     report["peak_memory_bytes"] = peak_memory_bytes();
     report["files"] = files;
-  };
-  if (plan.kind == OutputPlan::Kind::file) {
-    std::vector<std::string> files;
-    write_guarded([&] {
-      for (const auto& path : write_field(output, plan.target)) files.push_back(path.string());
-    });
-    finish(files);
-  } else if (plan.kind == OutputPlan::Kind::folder) {
-    write_folder(plan.target, [&](const std::filesystem::path& folder) {
-      std::vector<std::filesystem::path> paths;
-      for (const std::string& f : formats) paths.push_back(folder / ("field." + f));
-      std::vector<std::string> files;
-      for (const auto& path : write_field(output, paths)) files.push_back((plan.target / path.filename()).string());
-      files.push_back((plan.target / "report.json").string());
-      finish(files);
-      write_text(folder / "report.json", report.dump(2) + "\n");
-    });
-  } else {
-    finish({});
-  }
+    return report;
+  });
   if (!options.html.empty()) {
     const ViewSource source{result.mesh,       file.V,       result.geometry,
                             result.connection, result.field, result.singularities};
@@ -213,8 +157,9 @@ Outcome run_batch_of(FieldOptions options, const Common& common) {
     throw Failure(Exit::usage, "MESH and --batch exclude each other; put the mesh into the list",
                   {{"option", "--batch"}});
   }
-  options.batch.folder = options.output;
-  options.batch.formats = options.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options);
+  options.batch.folder = options.files.output;
+  options.batch.formats =
+      options.files.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options.files);
   options.run.repairs = options.mesh.repairs;
   return run_field_batch(options.batch, options.mesh, options.run, common);
 }
@@ -230,14 +175,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->type_name("N")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000));
-  app.add_option("-o,--output", options->output,
-                 "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
-                 "written")
-      ->type_name("OUT");
-  app.add_option("--formats", options->formats, "Of the files in the folder, only these: ply,vtp,rawfield,rosy,...")
-      ->type_name("LIST")
-      ->delimiter(',')
-      ->allow_extra_args(false);
+  add_files_options(app, options->files);
   app.add_option("--html", options->html, "Also write a page that shows the field in any browser, in one file")
       ->type_name("FILE");
   app.add_flag("--unit,--normalise,--direction", options->run.normalise,

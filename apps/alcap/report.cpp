@@ -3,6 +3,8 @@
 // report.cpp: results as JSON.
 #include "report.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -360,6 +362,19 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   report["notes"] = remarks_json(run.remarks, false);
   report["peak_memory_bytes"] = peak_memory_bytes();
   return report;
+}
+
+std::string summary_end(const Json& report) {
+  std::string text, files;
+  const auto line = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<14}{}\n", label, value);
+  };
+  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
+  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
+  for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
+  if (!files.empty()) line("wrote", files);
+  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
+  return text;
 }
 
 std::string grouped(std::int64_t value) {

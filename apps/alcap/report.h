@@ -53,6 +53,9 @@ struct RunSeconds {
 /// Its `times`.
 [[nodiscard]] Json times_json(const FieldTimes& times, const RunSeconds& seconds);
 
+/// The last lines of a summary in words: warnings, notes, files, whether the certificate holds.
+[[nodiscard]] std::string summary_end(const Json& report);
+
 /// 69451 -> "69,451".
 [[nodiscard]] std::string grouped(std::int64_t value);
 
