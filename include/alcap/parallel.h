@@ -59,12 +59,13 @@ inline constexpr std::int64_t sequential_below = 2048;
 /// The most threads that a loop started here uses.
 [[nodiscard]] inline int thread_limit() { return tbb::this_task_arena::max_concurrency(); }
 
-/// Calls body(begin, end) over disjoint ranges that cover [0, n); range limits are multiples of `grain`.
+/// Calls body(begin, end) over disjoint ranges that cover [0, n); range limits are multiples of `grain`. One thread
+/// gets one range: on small meshes the scheduling of tasks would take a tenth of a run.
 template <class Body>
 void parallel_ranges(std::int64_t n, std::int64_t grain, Body&& body) {
   if (n <= 0) return;
   const std::int64_t chunks = (n + grain - 1) / grain;
-  if (chunks == 1) {
+  if (chunks == 1 || thread_limit() == 1) {
     body(std::int64_t{0}, n);
     return;
   }
@@ -155,10 +156,11 @@ Int parallel_exclusive_scan(Int* counts, std::int64_t n) {
 }
 
 /// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed; more threads
-/// than the machine has need a tbb::global_control of the caller's.
+/// than the machine has need a tbb::global_control of the caller's. Inside an arena of one thread there is nothing to
+/// limit, and a second arena would only cost time.
 template <class Body>
 void run_with_threads(int threads, Body&& body) {
-  if (threads <= 0) {
+  if (threads <= 0 || (threads == 1 && thread_limit() == 1)) {
     body();
     return;
   }
