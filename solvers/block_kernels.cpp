@@ -16,6 +16,14 @@ BlockKernels pick(int K) {
   return simd::block_kernels_sse2(K);
 }
 
+VectorKernels pick_vector(int K) {
+#if defined(__x86_64__)
+  if (best_isa() == Isa::avx512) return simd::vector_kernels_avx512(K);
+  if (best_isa() == Isa::avx2) return simd::vector_kernels_avx2(K);
+#endif
+  return simd::vector_kernels_sse2(K);
+}
+
 }  // namespace
 
 template <int K>
@@ -27,5 +35,14 @@ template const BlockKernels& block_kernels<1>();
 template const BlockKernels& block_kernels<4>();
 template const BlockKernels& block_kernels<8>();
 template const BlockKernels& block_kernels<16>();
+
+template <int K>
+const VectorKernels& vector_kernels() {
+  static const VectorKernels picked = pick_vector(K);
+  return picked;
+}
+template const VectorKernels& vector_kernels<4>();
+template const VectorKernels& vector_kernels<8>();
+template const VectorKernels& vector_kernels<16>();
 
 }  // namespace alcap::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// block_kernels.h: the loops over blocks of K vectors for this machine's instruction set. Internal to solvers/.
+// block_kernels.h: the loops over blocks of K vectors, and over one beside them, for this machine's instruction set.
+// Internal to solvers/.
 #pragma once
 
 #include "solvers/simd/block_raw.h"
@@ -8,9 +9,13 @@
 namespace alcap::detail {
 
 using simd::BlockKernels;
+using simd::VectorKernels;
 
 /// K: 1, 4, 8 or 16; for 1 only `rows`.
 template <int K>
 [[nodiscard]] const BlockKernels& block_kernels();
+/// K: 4, 8 or 16.
+template <int K>
+[[nodiscard]] const VectorKernels& vector_kernels();
 
 }  // namespace alcap::detail

@@ -115,18 +115,22 @@ class Refinement {
     // but for rounding and, at the start, for the single precision of the neighbours.
     const double lambda = lambda_;
     constexpr std::size_t width = 8 + 4 * K;
-    const std::array<double, width> sums = pencil_.template sums<width>(
-        x_.data(), [&](std::int64_t i, complex<double> s, complex<double> m, std::array<double, width>& sum) {
-          const complex<double> x = x_[i];
-          const complex<double> r = s - lambda * m;
-          b[2 * i] = static_cast<float>(r.real()) / near_[i];
-          b[2 * i + 1] = static_cast<float>(r.imag()) / near_[i];
-          sum[0] += r.real() * r.real() + r.imag() * r.imag();
-          sum[1] += m.real() * m.real() + m.imag() * m.imag();
-          sum[2] += x.real() * s.real() + x.imag() * s.imag();
-          sum[3] += x.real() * m.real() + x.imag() * m.imag();
-          add_products(p_[i], s, m, sum.data() + 4);
-          add_neighbours(Y_.data() + 2 * K * i, s, m, sum.data() + 8);
+    const std::array<double, width> sums =
+        pencil_.template sums<width>(x_.data(), [&](std::int64_t first, std::int64_t count, const complex<double>* Sx,
+                                                    const complex<double>* Mx, std::array<double, width>& sum) {
+          for (std::int64_t j = 0; j < count; ++j) {
+            const std::int64_t i = first + j;
+            const complex<double> x = x_[i], s = Sx[j], m = Mx[j];
+            const complex<double> r = s - lambda * m;
+            b[2 * i] = static_cast<float>(r.real()) / near_[i];
+            b[2 * i + 1] = static_cast<float>(r.imag()) / near_[i];
+            sum[0] += r.real() * r.real() + r.imag() * r.imag();
+            sum[1] += m.real() * m.real() + m.imag() * m.imag();
+            sum[2] += x.real() * s.real() + x.imag() * s.imag();
+            sum[3] += x.real() * m.real() + x.imag() * m.imag();
+            add_products(p_[i], s, m, sum.data() + 4);
+          }
+          add_neighbours(first, count, Sx, Mx, sum.data() + 8);
         });
     if (!(sums[3] > 0)) throw SolveError("the mass matrix is not positive definite");
     residual_ = std::sqrt(sums[0] / sums[1]) / std::max(lambda_, options_.floor);
@@ -257,12 +261,15 @@ class Refinement {
 
   void products_of_w() {
     constexpr std::size_t width = 12 + 4 * K;
-    const std::array<double, width> sums = pencil_.template sums<width>(
-        w_.data(), [&](std::int64_t i, complex<double> s, complex<double> m, std::array<double, width>& sum) {
-          add_products(x_[i], s, m, sum.data());
-          add_products(w_[i], s, m, sum.data() + 4);
-          add_products(p_[i], s, m, sum.data() + 8);
-          add_neighbours(Y_.data() + 2 * K * i, s, m, sum.data() + 12);
+    const std::array<double, width> sums =
+        pencil_.template sums<width>(w_.data(), [&](std::int64_t first, std::int64_t count, const complex<double>* Sw,
+                                                    const complex<double>* Mw, std::array<double, width>& sum) {
+          for (std::int64_t j = 0; j < count; ++j) {
+            add_products(x_[first + j], Sw[j], Mw[j], sum.data());
+            add_products(w_[first + j], Sw[j], Mw[j], sum.data() + 4);
+            add_products(p_[first + j], Sw[j], Mw[j], sum.data() + 8);
+          }
+          add_neighbours(first, count, Sw, Mw, sum.data() + 12);
         });
     for (const int v : {at_x, at_w, at_p}) set_products(v, at_w, sums.data() + 4 * v);
     set_neighbours(at_w, sums.data() + 12);
@@ -286,15 +293,10 @@ class Refinement {
     set(M_, row, column, in[2], in[3]);
   }
 
-  /// Adds conj(y_k) s and conj(y_k) m.
-  static void add_neighbours(const float* y, complex<double> s, complex<double> m, double* out) {
-    double re[K], im[K];
-    for (int k = 0; k < K; ++k) re[k] = double{y[k]};
-    for (int k = 0; k < K; ++k) im[k] = double{y[K + k]};
-    for (int k = 0; k < K; ++k) out[k] += re[k] * s.real() + im[k] * s.imag();
-    for (int k = 0; k < K; ++k) out[K + k] += re[k] * s.imag() - im[k] * s.real();
-    for (int k = 0; k < K; ++k) out[2 * K + k] += re[k] * m.real() + im[k] * m.imag();
-    for (int k = 0; k < K; ++k) out[3 * K + k] += re[k] * m.imag() - im[k] * m.real();
+  /// Adds y_k^H s and y_k^H m over some rows.
+  void add_neighbours(std::int64_t first, std::int64_t count, const complex<double>* s, const complex<double>* m,
+                      double* out) const {
+    vector_kernels<K>().products(Y_.data() + 2 * K * first, as_pairs(s), as_pairs(m), count, out);
   }
 
   void set_neighbours(int column, const double* in) {
@@ -311,26 +313,15 @@ class Refinement {
 
   /// x and p become combinations of the basis.
   void update(const ComplexVector& c) {
-    double re[K] = {};  // of the neighbours; the first, the start itself, has none
-    double im[K] = {};
+    double of_y[2 * K] = {};  // the first neighbour, the start itself, has no part
     for (int k = 1; k < K; ++k) {
-      re[k] = c[at_y + k - 1].real();
-      im[k] = c[at_y + k - 1].imag();
+      of_y[k] = c[at_y + k - 1].real();
+      of_y[K + k] = c[at_y + k - 1].imag();
     }
-    const complex<double> cx = c[at_x], cw = c[at_w], cp = c[at_p];
-    const auto times = [](complex<double> a, complex<double> b) {
-      return complex<double>(a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real());
-    };
-    parallel_for(rows_, [&](std::int64_t i) {
-      const float* const y = Y_.data() + 2 * K * i;
-      double r = 0;
-      double s = 0;
-      for (int k = 0; k < K; ++k) {
-        r += re[k] * double{y[k]} - im[k] * double{y[K + k]};
-        s += re[k] * double{y[K + k]} + im[k] * double{y[k]};
-      }
-      p_[i] = times(cw, w_[i]) + times(cp, p_[i]) + complex<double>(r, s);
-      x_[i] = times(cx, x_[i]) + p_[i];
+    static_assert(at_x == 0 && at_w == 1 && at_p == 2);
+    parallel_ranges(rows_, mg_grain, [&](std::int64_t begin, std::int64_t end) {
+      vector_kernels<K>().advance(as_pairs(c.data()), of_y, Y_.data() + 2 * K * begin, as_pairs(w_.data() + begin),
+                                  end - begin, as_pairs(p_.data() + begin), as_pairs(x_.data() + begin));
     });
   }
 

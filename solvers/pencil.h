@@ -15,6 +15,9 @@
 
 namespace alcap::detail {
 
+inline const double* as_pairs(const std::complex<double>* z) { return reinterpret_cast<const double*>(z); }
+inline double* as_pairs(std::complex<double>* z) { return reinterpret_cast<double*>(z); }
+
 /// The matrices of the eigenproblem itself. Both are compressed and have the same pattern.
 struct FinePencil {
   const HermitianMatrix& S;
@@ -24,30 +27,21 @@ struct FinePencil {
 
   [[nodiscard]] std::int64_t rows() const { return S.cols(); }
 
-  /// use(i, (S x)_i, (M x)_i, sums) for all rows; the sums are added up over fixed chunks.
+  /// use(i, count, Sx, Mx, sums) for tiles of rows i ... i + count - 1 that cover all, Sx and Mx being the products of
+  /// these; the sums are added up over fixed chunks.
   template <std::size_t N, class Use>
   [[nodiscard]] std::array<double, N> sums(const std::complex<double>* x, Use&& use) const {
     using Sums = std::array<double, N>;
-    const Index* const start = S.outerIndexPtr();
-    const Index* const row = S.innerIndexPtr();
-    const std::complex<double>* const s = S.valuePtr();
-    const std::complex<double>* const m = M.valuePtr();
+    const auto multiply = vector_kernels<4>().pencil;
     return parallel_reduce(
         rows(), Sums{},
-        [&](std::int64_t begin, std::int64_t end) {
+        [&, raw = raw()](std::int64_t begin, std::int64_t end) {
           Sums total{};
-          for (std::int64_t j = begin; j < end; ++j) {
-            // Row j is the conjugate of column j.
-            double sr = 0, si = 0, mr = 0, mi = 0;
-            for (Index e = start[j]; e < start[j + 1]; ++e) {
-              const double re = x[row[e]].real(), im = x[row[e]].imag();
-              sr += s[e].real() * re + s[e].imag() * im;
-              si += s[e].real() * im - s[e].imag() * re;
-              mr += m[e].real() * re + m[e].imag() * im;
-              mi += m[e].real() * im - m[e].imag() * re;
-            }
-            use(j, std::complex<double>(S_scale * sr, S_scale * si), std::complex<double>(M_scale * mr, M_scale * mi),
-                total);
+          std::complex<double> Sx[gram_tile], Mx[gram_tile];
+          for (std::int64_t i = begin; i < end; i += gram_tile) {
+            const std::int64_t count = std::min(gram_tile, end - i);
+            multiply(raw, i, i + count, as_pairs(x), as_pairs(Sx), as_pairs(Mx));
+            use(i, count, Sx, Mx, total);
           }
           return total;
         },
@@ -61,13 +55,12 @@ struct FinePencil {
   /// cancels, to one part in V.
   template <int K>
   void multiply(std::int64_t first, std::int64_t count, const float* x, float* Sx, float* Mx) const {
-    const simd::RawPencil raw{S.outerIndexPtr(),
-                              S.innerIndexPtr(),
-                              reinterpret_cast<const double*>(S.valuePtr()),
-                              reinterpret_cast<const double*>(M.valuePtr()),
-                              S_scale,
-                              M_scale};
-    block_kernels<K>().pencil(raw, first, first + count, x, Sx, Mx);
+    block_kernels<K>().pencil(raw(), first, first + count, x, Sx, Mx);
+  }
+
+ private:
+  [[nodiscard]] simd::RawPencil raw() const {
+    return {S.outerIndexPtr(), S.innerIndexPtr(), as_pairs(S.valuePtr()), as_pairs(M.valuePtr()), S_scale, M_scale};
   }
 };
 

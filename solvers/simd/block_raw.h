@@ -38,8 +38,23 @@ struct BlockKernels {
   void (*combine)(const float* a, const float* ca, const float* b, const float* cb, long long rows, float* out);
 };
 
+/// The loops for one vector in double beside K of single precision. Its numbers are pairs.
+struct VectorKernels {
+  /// Scaled S x and M x of rows begin ... end - 1 into the first rows of Sx and Mx.
+  void (*pencil)(const RawPencil& A, long long begin, long long end, const double* x, double* Sx, double* Mx);
+  /// Adds y^H s and y^H m for the K vectors y: K real parts and K imaginary parts of the first, then of the second.
+  void (*products)(const float* y, const double* s, const double* m, long long rows, double* out);
+  /// p = w own[1] + p own[2] + y of_y, and then x = x own[0] + p. `own` are pairs, `of_y` K real, then K imaginary
+  /// parts.
+  void (*advance)(const double* own, const double* of_y, const float* y, const double* w, long long rows, double* p,
+                  double* x);
+};
+
 BlockKernels block_kernels_sse2(int K);
 BlockKernels block_kernels_avx2(int K);
 BlockKernels block_kernels_avx512(int K);
+VectorKernels vector_kernels_sse2(int K);
+VectorKernels vector_kernels_avx2(int K);
+VectorKernels vector_kernels_avx512(int K);
 
 }  // namespace alcap::detail::simd
