@@ -25,6 +25,10 @@ namespace {
 /// The hierarchy's shift in units of -1/area: a tenth of the smallest eigenvalue of a round sphere. Enough to keep the
 /// cycle from blowing up the null vectors of a flat surface, too little to be felt elsewhere.
 constexpr double relative_shift = 1;
+/// Before the finest level cycles are shifted to this part of the smallest eigenvalue of the level before. Without that
+/// they shrink an error along the k-th eigenvector by lambda_1 / lambda_k only, which is little where eigenvalues lie
+/// close (noisy scans). Nearer to 1 what is wrong with the vectors of coarse levels drowns the rest.
+constexpr double cycle_shift = 0.8;
 /// Negative eigenvalues up to this part of 1/area are rounding.
 constexpr double negligible = 1e-2;
 /// Up to here a factorisation is quicker whatever the spectrum, and reaches the last digit.
@@ -38,11 +42,13 @@ constexpr int coarsest_steps = 6;
 constexpr int level_steps = 3;
 /// At most so many steps of the whole block on the finest level.
 constexpr int finest_steps = 6;
-/// Eigenvalues within this factor of the first make a cluster.
+/// A block whose eigenvalues all lie within this factor of the first is smaller than the cluster they make.
 constexpr double cluster = 1.03;
-/// Steps on the finest level go on until the first two eigenvalues, or all of a cluster, change by no more than this.
-constexpr double next_settled = 2e-2;
-constexpr double cluster_settled = 1e-5;
+/// Steps on the finest level go on until the first two eigenvalues change by no more than this, and those that lie this
+/// close to the first by no more than that.
+constexpr double next_settled = 5e-2;
+constexpr double close = 1.0005;
+constexpr double close_settled = 1e-5;
 /// A block ends where eigenvalues have grown by this factor: what lies beyond converges fast. Blocks of 4 cost little
 /// less than blocks of 8, so they are for clear gaps.
 constexpr double gap_of_4 = 1.3;
@@ -126,6 +132,14 @@ class Cascade {
         masses_[l][c] = sum / levels[l].near[c];
       });
     }
+  }
+
+  /// Shifts the cycles, `smallest` being the smallest eigenvalue of the shifted level 1.
+  void shift(double smallest) {
+    const double sigma = cycle_shift * std::max(0.0, smallest + shifted_ - 2 * floor_) - shifted_;
+    if (sigma <= 0) return;
+    hierarchy_.shift(masses_, static_cast<float>(sigma));
+    shifted_ += sigma;
   }
 
   /// The K lowest eigenvectors of a small level, all at once.
@@ -212,6 +226,7 @@ class Cascade {
   template <int K>
   Refined finest(Buffer<float> x, const VectorX<double>& values) {
     if (values.size() < K) return {};
+    shift(values[0]);
     FinestBlock<K> block(pencil_, hierarchy_, std::move(x));
     int steps = 0;
     const int most = std::min(finest_steps, options_.max_iterations);
@@ -220,11 +235,11 @@ class Cascade {
       const VectorX<double> before = block.values();
       if (!block.step()) break;
       const VectorX<double>& now = block.values();
-      // Members of a cluster must be told apart here: the refinement could only turn x from one to another, and bring
-      // back the errors of the others with every turn.
-      const Eigen::Index members = (now.array() <= cluster * now[0]).cast<Eigen::Index>().sum();
+      // Close ones must be told apart here: the refinement could only turn x from one to another, and bring back the
+      // errors of the others with every turn.
+      const Eigen::Index members = (now.array() <= close * now[0]).cast<Eigen::Index>().sum();
       const double change = (before - now).head(std::max<Eigen::Index>(2, members)).cwiseAbs().maxCoeff();
-      settled = change <= (members > 1 ? cluster_settled : next_settled) * std::max(now[0], floor_);
+      settled = change <= (members > 1 ? close_settled : next_settled) * std::max(now[0], floor_);
     }
     if (block.values().size() < K) return {};
     if (K < 16 && block.values()[K - 1] <= cluster * block.values()[0]) {
@@ -248,6 +263,7 @@ class Cascade {
   double unit_ = 1;   // eigenvalues of the pencil per eigenvalue of the problem
   double floor_ = 0;  // 1/area in the pencil's unit
   Hierarchy hierarchy_;
+  double shifted_ = 0;  // of its coarser levels, in the pencil's unit
   std::vector<Buffer<float>> masses_;
 };
 

@@ -177,6 +177,8 @@ class Refinement {
       if (residual_ > large || apart(k, with_mates_ ? rounding : mates_apart)) basis_.push_back(k);
   }
 
+  [[nodiscard]] bool used(int k) const { return std::find(basis_.begin(), basis_.end(), k) != basis_.end(); }
+
   void forget_p() {
     p_used_ = false;
     for (Dense* G : {&S_, &M_}) {
@@ -185,9 +187,40 @@ class Refinement {
     }
   }
 
+  /// Takes the parts along neighbours that were let go out of the residual. The cycle would answer to these with the
+  /// neighbours as coarse levels know them, and basis() would leave what is wrong with them in w: x could come to rest
+  /// where that cancels the answer to all else. The lumped mass is good enough.
+  void without_mates() {
+    float re[K] = {}, im[K] = {};
+    bool any = false;
+    for (int k = 1; k < K; ++k) {
+      const int at = at_y + k - 1;
+      if (used(at)) continue;
+      const complex<double> part = S_(at, at_x) - lambda_ * M_(at, at_x);
+      re[k] = static_cast<float>(part.real());
+      im[k] = static_cast<float>(part.imag());
+      any = true;
+    }
+    if (!any) return;
+    float* const b = workspace_.b[0].data();
+    parallel_for(rows_, [&](std::int64_t i) {
+      const float* const y = Y_.data() + 2 * K * i;
+      float r = 0;
+      float s = 0;
+      for (int k = 0; k < K; ++k) {
+        r += re[k] * y[k] - im[k] * y[K + k];
+        s += re[k] * y[K + k] + im[k] * y[k];
+      }
+      const float m = near_[i] * mass_[i];
+      b[2 * i] -= m * r;
+      b[2 * i + 1] -= m * s;
+    });
+  }
+
   /// w is the cycle's answer without its part along x, which the cycle blows up when S is nearly singular: what is left
   /// would drown in it. The lumped mass is good enough for that.
   void direction() {
+    without_mates();
     hierarchy_.cycle<1>(workspace_);
     const float* const z = workspace_.x[0].data();
     using Sums = std::array<double, 3>;
@@ -221,7 +254,7 @@ class Refinement {
     Dense B = Dense::Zero(size, static_cast<Eigen::Index>(basis_.size()));
     for (std::size_t b = 0; b < basis_.size(); ++b) B(basis_[b], static_cast<Eigen::Index>(b)) = 1;
     for (int k = at_y; k < size; ++k) {
-      if (std::find(basis_.begin(), basis_.end(), k) != basis_.end()) continue;
+      if (used(k)) continue;
       for (const int v : {at_w, at_p}) B(k, v) = -M_(k, v) / M_(k, k);
     }
     return B;
@@ -231,11 +264,11 @@ class Refinement {
     direction();
     products_of_w();
     // Without p the basis is smaller: its row is zero then and rayleigh_ritz drops it.
-    const auto used = static_cast<Eigen::Index>(basis_.size());
+    const auto count = static_cast<Eigen::Index>(basis_.size());
     const Dense B = basis();
-    const Ritz ritz = rayleigh_ritz(B.adjoint() * S_ * B, B.adjoint() * M_ * B, used, 1e-13);
+    const Ritz ritz = rayleigh_ritz(B.adjoint() * S_ * B, B.adjoint() * M_ * B, count, 1e-13);
     if (ritz.values.size() == 0 || !ritz.coefficients.allFinite()) return false;
-    if (used == size && ritz.values.size() > 1) next_ = ritz.values[1];
+    if (count == size && ritz.values.size() > 1) next_ = ritz.values[1];
     // Among eigenvalues that the tolerance does not tell apart x turns no more than it must: rounding would turn it at
     // random, and each turn brings back the errors of the others.
     const double same = ritz.values[0] + 0.1 * options_.tolerance * std::max(std::abs(ritz.values[0]), options_.floor);

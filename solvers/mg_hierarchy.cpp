@@ -128,6 +128,45 @@ void Hierarchy::build(const Operand& A, const SparseMatrix<std::complex<double>>
   invert_coarsest();
 }
 
+void Hierarchy::shift(std::vector<Buffer<float>>& masses, float sigma) {
+  // Levels whose diagonal would lose more than this part of it do not resolve the vectors in question.
+  constexpr float most = 0.5F;
+  // Row and column factors; an empty one is 1.
+  const auto rescale = [](Rows& A, const Buffer<float>& rows, const Buffer<float>& columns) {
+    parallel_for(A.rows(), [&](std::int64_t i) {
+      const float own = rows.size() == 0 ? 1 : rows[i];
+      for (std::int64_t e = A.start[i]; e < A.start[i + 1]; ++e)
+        A.value[e] *= own * (columns.size() == 0 ? 1 : columns[A.column[e]]);
+    });
+  };
+  Buffer<float> root;  // of the new diagonal, on the level before
+  for (std::size_t l = 0; l + 1 < levels_.size(); ++l) {
+    Level& coarse = levels_[l + 1];
+    float* const mass = masses[l + 1].data();
+    const float largest = parallel_reduce(
+        std::int64_t{coarse.rows()}, 0.0F,
+        [=](std::int64_t begin, std::int64_t end) { return *std::max_element(mass + begin, mass + end); },
+        [](float a, float b) { return std::max(a, b); });
+    const bool resolved = sigma * largest <= most;
+    Buffer<float> next, inverse;
+    if (resolved) {
+      next = Buffer<float>(coarse.rows());
+      inverse = Buffer<float>(coarse.rows());
+      parallel_for(coarse.rows(), [&](std::int64_t i) {
+        next[i] = std::sqrt(1 - sigma * mass[i]);
+        inverse[i] = 1 / next[i];
+        mass[i] *= inverse[i] * inverse[i];
+      });
+      rescale(coarse.off, inverse, inverse);
+    }
+    rescale(levels_[l].prolongation, root, inverse);
+    rescale(levels_[l].restriction, inverse, root);
+    root = std::move(next);
+    if (!resolved) break;
+  }
+  invert_coarsest();
+}
+
 void Hierarchy::invert_coarsest() {
   coarsest_inverse_ = {};
   const Level& level = levels_.back();
