@@ -54,10 +54,11 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     if (!factorised_) throw SolveError("Eigen LDLT: solve() before factorise()");
     require_sizes(B, X, rows_);
     check_cancelled(cancel_);
-    guarded("Eigen LDLT solve", [&] { X = ldlt_->solve(B); });
     SolveReport report = report_;
     report.solver = name();
     report.converged = true;
+    if (B.cols() == 0) return report;
+    guarded("Eigen LDLT solve", [&] { X = ldlt_->solve(B); });
     report.solve_seconds = timer.seconds();
     return report;
   }

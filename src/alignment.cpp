@@ -52,7 +52,7 @@ Field<double> curvature_field(const Mesh& mesh, const Positions<double>& V, cons
     const auto v = static_cast<Index>(i);
     area[v] = third_of_faces(mesh, geometry, v);
     C sum = 0;
-    const auto add = [&](Index e, double angle) { sum -= std::polar(bending[e] / 4, 2 * angle); };
+    const auto add = [&](Index e, double angle) { sum -= bending[e] / 4 * std::polar(1.0, 2 * angle); };
     mesh.for_each_outgoing(v, [&](Index h) { add(mesh.edge(h), connection.rho_start(mesh, h)); });
     q[v] = area[v] > 0 ? sum / area[v] : C(0);
   });

@@ -261,21 +261,24 @@ TEST_CASE("every wrong value is named by its path and value") {
     CHECK(error.find(w.says) != std::string::npos);
     CHECK(error.rfind("d.json: /", 0) == 0);
   }
-  for (const auto& [object, key, says] : std::vector<std::array<std::string, 3>>{
-           {"", "alcap_design", "/ = an object: needs the key alcap_design"},
-           {"", "n", "/ = an object: needs the key n"},
-           {"/mesh", "faces", "/mesh = an object: needs the key faces"},
-           {"/connection", "kind", "needs the key kind"},
-           {"/connection/cones/0", "index", "/connection/cones/0 = an object: needs the key index"},
-           {"/guidance", "file", "/guidance = an object: needs either field or file"},
-           {"/singularities/0", "kind", "/singularities/0 = an object: needs the key kind"},
-           {"/singularities/0", "face", "/singularities/0 = no place: needs either face or at"},
-           {"/fixed/0", "direction", "/fixed/0 = no direction: needs either direction or angle"},
-           {"/strokes/0", "points", "needs one of the keys points"}}) {
-    CAPTURE(says);
-    const std::string error = error_of(without(object, key));
+  struct Missing {
+    std::string object, key, says;
+  };
+  for (const Missing& m :
+       std::vector<Missing>{{"", "alcap_design", "/ = an object: needs the key alcap_design"},
+                            {"", "n", "/ = an object: needs the key n"},
+                            {"/mesh", "faces", "/mesh = an object: needs the key faces"},
+                            {"/connection", "kind", "needs the key kind"},
+                            {"/connection/cones/0", "index", "/connection/cones/0 = an object: needs the key index"},
+                            {"/guidance", "file", "/guidance = an object: needs either field or file"},
+                            {"/singularities/0", "kind", "/singularities/0 = an object: needs the key kind"},
+                            {"/singularities/0", "face", "/singularities/0 = no place: needs either face or at"},
+                            {"/fixed/0", "direction", "/fixed/0 = no direction: needs either direction or angle"},
+                            {"/strokes/0", "points", "needs one of the keys points"}}) {
+    CAPTURE(m.says);
+    const std::string error = error_of(without(m.object, m.key));
     CAPTURE(error);
-    CHECK(error.find(says) != std::string::npos);
+    CHECK(error.find(m.says) != std::string::npos);
   }
   const std::string vectors = R"({"alcap_design":1,"n":1,"singularities":[{"face":0,"kind":)";
   CHECK(error_of(vectors + R"("wedge"}]})").find("exists for n = 2 only") != std::string::npos);

@@ -102,7 +102,8 @@ TEST_CASE("the mass of strokes, integrated densely with FaceField, bounds the sm
   const SurfacePolyline line = s.stroke(small_circle, 20);
   const auto result = s.design({{line, weight}}, {.n = n});
   const HermitianPattern pattern(s.mesh);
-  const auto [S, M] = stiffness_and_mass(s.mesh, pattern, s.geometry, s.connection, n);
+  const auto matrices = stiffness_and_mass(s.mesh, pattern, s.geometry, s.connection, n);
+  const auto &S = matrices.S, &M = matrices.M;
   const double w = 10 * weight * std::sqrt(s.geometry.total_area());
   // The mass is checked in full; a denser rule must give the same integral.
   const auto mass = [&](const ComplexVectorX<double>& u) {

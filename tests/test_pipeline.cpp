@@ -57,9 +57,9 @@ TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
         CHECK(run.indices == one.indices);
         CHECK(run.eigen[0].lambda == one.eigen[0].lambda);
         REQUIRE(files.size() == expected.size());
-        for (const auto& [name, bytes] : expected) {
-          CAPTURE(name);
-          CHECK(files.at(name) == bytes);
+        for (const auto& file : expected) {
+          CAPTURE(file.first);
+          CHECK(files.at(file.first) == file.second);
         }
       }
     }

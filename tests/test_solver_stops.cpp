@@ -41,13 +41,14 @@ using namespace alcap::test;
 
 namespace {
 
-constexpr std::size_t large = std::size_t{16} << 10;
-std::atomic<long> allowed{1L << 60};  // so many large blocks are granted
-std::atomic<long> alive{0};           // large blocks
+std::atomic<long> alive{0};  // large blocks
 
 }  // namespace
 
 #ifdef ALCAP_TEST_ALLOCATOR
+static constexpr std::size_t large = std::size_t{16} << 10;
+static std::atomic<long> allowed{1L << 60};  // so many large blocks are granted
+
 extern "C" {
 // NOLINTBEGIN: the C library's own names.
 void* __libc_malloc(std::size_t);
