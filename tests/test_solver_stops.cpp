@@ -22,15 +22,7 @@
 #include "alcap/solve.h"
 #include "solver_fixture.h"
 
-// GCC says by macros that a sanitizer is on, Clang by features.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define ALCAP_TEST_SANITIZED
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define ALCAP_TEST_SANITIZED
-#endif
-#endif
-#if defined(__GLIBC__) && !defined(ALCAP_TEST_SANITIZED)
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define ALCAP_TEST_ALLOCATOR
 #include <dlfcn.h>
 #include <malloc.h>
