@@ -16,14 +16,16 @@
 #include "alcap/connection.h"
 #include "alcap/parallel.h"
 #include "kernels/connection_energy.h"
+#include "kernels/face_relaxation.h"
 #include "src/correction_system.h"
+#include "src/face_pairs.h"
 #include "src/grounded_laplacian.h"
 #include "src/large_array.h"
 
 namespace alcap {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 // tan of the angle opposite a halfedge, capped, times the length factor: the weights of D_E. Computed where they are
 // needed, which costs less than to store and read them.
@@ -49,13 +51,20 @@ class HalfedgeWeights {
     face_component_ = std::move(topology.face_component);
   }
 
-  T operator()(Index h) const {
-    const T tangent = kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_);
-    if (factor_ == LengthFactor::per_edge) return tangent;
+  T operator()(Index h) const { return kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_) * length_factor(h); }
+
+  // p of a face's halfedges, from its cotangents and their length factors (times detail, 0 on the boundary).
+  template <class Lanes>
+  void from_factors(const Lanes (&cot)[3], const Lanes (&factor)[3], Lanes (&p)[3]) const {
+    for (int k = 0; k < 3; ++k) p[k] = kernels::capped_tangent(cot[(k + 2) % 3], Lanes(double(cap_))) * factor[k];
+  }
+
+  T length_factor(Index h) const {
+    if (factor_ == LengthFactor::per_edge) return T(1);
     const T length = geometry_.length(mesh_.edge(h));
-    if (factor_ == LengthFactor::metric) return tangent * length;
+    if (factor_ == LengthFactor::metric) return length;
     const Index c = face_component_.empty() ? 0 : face_component_[static_cast<std::size_t>(Mesh::face(h))];
-    return tangent * (length * per_length_[static_cast<std::size_t>(c)]);
+    return length * per_length_[static_cast<std::size_t>(c)];
   }
 
  private:
@@ -65,15 +74,6 @@ class HalfedgeWeights {
   LengthFactor factor_;
   std::vector<T> per_length_;          // 1 over the mean edge length, per component
   std::vector<Index> face_component_;  // empty where there is only one
-};
-
-// The same for the optimisation: times detail, and zero on the boundary, where rho_{v->e} is free and follows its face.
-template <class T>
-struct EnergyWeights {
-  const Mesh& mesh;
-  const HalfedgeWeights<T>& weights;
-  T detail;
-  T operator()(Index h) const { return mesh.boundary_halfedge(h) ? T(0) : detail * weights(h); }
 };
 
 void validate(const GlobalOptions& o) {
@@ -96,61 +96,137 @@ std::pair<T, T> edge_correction(const Mesh& mesh, const HalfedgeWeights<T>& weig
   return {(here * r.start[h] + there * r.end[g]) / sum, (here * r.end[h] + there * r.start[g]) / sum};
 }
 
-// Three numbers per edge or halfedge, wherever they lie.
-using Values = Eigen::Ref<const detail::EdgeValues<double>>;
-using ValuesOut = Eigen::Map<detail::EdgeValues<double>>;
+// Three numbers per edge, or per row of the exchange between faces and edges, wherever they lie.
+using EdgeValues = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+using Values = Eigen::Ref<const EdgeValues>;
+using ValuesOut = Eigen::Map<EdgeValues>;
 
 // The lifted state, as the optimisation sees it; at rest, all of it is zero.
 template <class T>
 struct FaceStates {
+  using Lanes = detail::DoubleLanes;
+  static constexpr int N = Lanes::size;
+
   const Mesh& mesh;
   const Geometry<T>& geometry;
-  EnergyWeights<T> weights;
+  const HalfedgeWeights<T>& weights;
+  double detail;
   const VectorX<T>& tau;
   const detail::LiftedResiduals<T>& r;
   bool at_rest = false;
 
-  // With the edges turned by u: parts = the pull of each face on its edges, x = what its relaxed corners move by.
-  void pull_parts(const Values& u, ValuesOut& parts, double* x) const {
-    using Lanes = detail::DoubleLanes;
-    constexpr int N = Lanes::size;
-    parallel_for((std::int64_t{mesh.faces()} + N - 1) / N, [&](std::int64_t group) {
-      double in[5][3][N];
-      for (int l = 0; l < N; ++l) {
-        const Index h = 3 * static_cast<Index>(std::min<std::int64_t>(group * N + l, mesh.faces() - 1));
-        for (Index k = 0; k < 3; ++k) {
-          const Index e = mesh.edge(h + k);
-          const double sign = mesh.canonical(h + k) ? 1.0 : -1.0;
-          const double start = at_rest ? 0 : double(r.start[h + k]), end = at_rest ? 0 : double(r.end[h + k]);
-          in[0][k][l] = double(geometry.cot(h + k));
-          in[1][k][l] = double(weights(h + k));
-          in[2][k][l] = (start + end) / 2 - u(0, e);
-          in[3][k][l] = end - start - sign * u(1, e);
-          in[4][k][l] = (at_rest ? 0 : double(tau[h + k])) + sign * u(2, e);
-        }
+  // The coefficients of the faces of some halfedges, from there on. Boundaries have p = 0: rho_{v->e} is free there and
+  // follows its face.
+  void coefficients(const Index (&first)[N], kernels::FaceCoefficients<Lanes>& c) const {
+    double cots[3][N], factors[3][N];
+    for (int l = 0; l < N; ++l) {
+      Index h = first[l];
+      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
+        cots[k][l] = double(geometry.cot(h));
+        factors[k][l] = mesh.boundary_halfedge(h) ? 0 : detail * double(weights.length_factor(h));
       }
-      Lanes v[5][3];
-      for (int i = 0; i < 5; ++i)
-        for (int k = 0; k < 3; ++k) v[i][k] = Lanes::load(in[i][k]);
-      const auto moved = detail::relax(detail::face_coefficients(v[0], v[1]), v[2], v[3], v[4]);
-      for (int l = 0; l < N && group * N + l < mesh.faces(); ++l)
-        for (int k = 0; k < 3; ++k) {
-          const std::int64_t h = 3 * (group * N + l) + k;
-          parts(0, h) = v[2][k][l];
-          parts(1, h) = v[3][k][l];
-          parts(2, h) = -v[4][k][l];
-          x[h] = moved[static_cast<std::size_t>(k)][l];
-        }
-    });
+    }
+    Lanes cot[3], factor[3], p[3];
+    for (int k = 0; k < 3; ++k) {
+      cot[k] = Lanes::load(cots[k]);
+      factor[k] = Lanes::load(factors[k]);
+    }
+    weights.from_factors(cot, factor, p);
+    kernels::face_coefficients(cot, p, c);
   }
 
-  // The faces' pull on each edge, the right-hand side of the correction, from the parts of its two faces.
-  [[nodiscard]] std::array<double, 3> pull(const Values& parts, Index e) const {
-    const Index h = mesh.halfedge(e), g = mesh.twin(h);
-    if (g == none) return {parts(0, h), parts(1, h), parts(2, h)};
-    return {parts(0, h) + parts(0, g), parts(1, h) - parts(1, g), parts(2, h) - parts(2, g)};
+  // What they see with edges turned by u.
+  void look(const Index (&first)[N], const Values& u, Lanes (&v)[3][3]) const {
+    double in[3][3][N];
+    for (int l = 0; l < N; ++l) {
+      Index h = first[l];
+      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
+        const Index e = mesh.edge(h);
+        const double sign = mesh.canonical(h) ? 1.0 : -1.0;
+        const double start = at_rest ? 0 : double(r.start[h]), end = at_rest ? 0 : double(r.end[h]);
+        in[0][k][l] = (start + end) / 2 - u(0, e);
+        in[1][k][l] = end - start - sign * u(1, e);
+        in[2][k][l] = (at_rest ? 0 : double(tau[h])) + sign * u(2, e);
+      }
+    }
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 3; ++k) v[i][k] = Lanes::load(in[i][k]);
+  }
+
+  // Halfedge h's column k of v, to its edge.
+  template <class System>
+  void pull_at(const System& system, Index h, int k, int lane, const Lanes (&v)[3][3], ValuesOut& parts) const {
+    const std::int64_t row = system.row(h);
+    for (int i = 0; i < 3; ++i) parts(i, row) = v[i][k].v[lane];
+  }
+
+  // With the edges turned by u: parts = the pull of each face on its outer edges, x = what its relaxed corners move by.
+  // Edges between paired faces are turned to their optimum.
+  template <class System>
+  void pull(const System& system, const detail::FacePairs& faces, ValuesOut& u, ValuesOut& parts, double* x) const {
+    parallel_for((std::int64_t{faces.singles} + N - 1) / N,
+                 [&](std::int64_t group) { pull_singles(system, faces, group * N, u, parts, x); });
+    parallel_for((std::int64_t{faces.pairs} + N - 1) / N,
+                 [&](std::int64_t group) { pull_pairs(system, faces, group * N, u, parts, x); });
+  }
+
+  // Beyond the last one, lanes repeat it.
+  template <class System>
+  void pull_singles(const System& system, const detail::FacePairs& faces, std::int64_t begin, const Values& u,
+                    ValuesOut& parts, double* x) const {
+    Index first[N];
+    Lanes v[3][3], moved[3];
+    for (int l = 0; l < N; ++l) first[l] = 3 * faces.single[at(std::min<std::int64_t>(begin + l, faces.singles - 1))];
+    kernels::FaceCoefficients<Lanes> c;
+    coefficients(first, c);
+    look(first, u, v);
+    kernels::relax(c, v, moved);
+    for (int l = 0; l < N && begin + l < faces.singles; ++l)
+      for (int k = 0; k < 3; ++k) {
+        pull_at(system, first[l] + k, k, l, v, parts);
+        x[first[l] + k] = moved[k].v[l];
+      }
+  }
+
+  template <class System>
+  void pull_pairs(const System& system, const detail::FacePairs& faces, std::int64_t begin, ValuesOut& u,
+                  ValuesOut& parts, double* x) const {
+    Index first[2][N];
+    Lanes v[2][3][3], moved[2][3], inverse[6], turned[3];
+    kernels::FaceCoefficients<Lanes> c[2];
+    for (int l = 0; l < N; ++l) {
+      const std::int64_t pair = std::min<std::int64_t>(begin + l, faces.pairs - 1);
+      first[0][l] = mesh.halfedge(faces.between[at(pair)]);
+      first[1][l] = mesh.twin(first[0][l]);
+    }
+    for (int side = 0; side < 2; ++side) {
+      coefficients(first[side], c[side]);
+      look(first[side], u, v[side]);
+    }
+    kernels::invert_between(c[0], c[1], inverse);
+    kernels::relax_pair(c[0], c[1], inverse, v[0], v[1], moved[0], moved[1], turned);
+    for (int l = 0; l < N && begin + l < faces.pairs; ++l) {
+      const Index e = faces.between[at(begin + l)];
+      u(0, e) -= turned[0].v[l];
+      u(1, e) -= turned[1].v[l];
+      u(2, e) += turned[2].v[l];
+      for (int side = 0; side < 2; ++side) {
+        Index h = first[side][l];
+        for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
+          if (k > 0) pull_at(system, h, k, l, v[side], parts);
+          x[h] = moved[side][k].v[l];
+        }
+      }
+    }
   }
 };
+
+// The faces' pull on outer edge i, the right-hand side of the correction, from the parts of its two faces.
+std::array<double, 3> pull_on(const Values& parts, std::int64_t i, bool open) {
+  const std::int64_t row = 2 * i;
+  if (open) return {parts(0, row), parts(1, row), -parts(2, row)};
+  return {parts(0, row) + parts(0, row + 1), parts(1, row) - parts(1, row + 1), parts(2, row + 1) - parts(2, row)};
+}
 
 template <class T>
 void deviation(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWeights<T>& weights, Connection<T>& c) {
@@ -213,15 +289,15 @@ class HeldRho {
 
   // u += the solution for rhs, to the relative reduction `wanted`; product(p) is A p.
   template <class System, class Product>
-  int solve(System& system, const detail::EdgeValues<double>& rhs, double wanted, int most, const Product& product,
+  int solve(System& system, const EdgeValues& rhs, double wanted, int most, const Product& product,
             ValuesOut& u) const {
-    detail::EdgeValues<double> r = rhs, z(3, r.cols()), p, before = r;
+    EdgeValues r = rhs, z(3, r.cols()), p, before = r;
     double square = precondition(system, r, z), first = square;
     p = z;
     int done = 0;
     while (done < most && square > wanted * wanted * first) {
       ++done;
-      const detail::EdgeValues<double> q = product(p);
+      const EdgeValues q = product(p);
       const double alpha = square / dot(p, q);
       if (!std::isfinite(alpha)) break;
       u += alpha * p;
@@ -237,13 +313,13 @@ class HeldRho {
   }
 
  private:
-  static double dot(const detail::EdgeValues<double>& a, const detail::EdgeValues<double>& b) {
+  static double dot(const EdgeValues& a, const EdgeValues& b) {
     return parallel_sum<double>(a.cols(), [&](std::int64_t e) { return a.col(e).dot(b.col(e)); });
   }
 
   // z = P r; returns r' z.
   template <class System>
-  double precondition(System& system, const detail::EdgeValues<double>& r, detail::EdgeValues<double>& z) const {
+  double precondition(System& system, const EdgeValues& r, EdgeValues& z) const {
     (void)system.start([&](Index e) { return std::array<double, 3>{r(0, e), r(1, e), r(2, e)}; });
     parallel_for(mesh_.edges(), [&](std::int64_t e) {
       const auto blocks = system.preconditioned(static_cast<Index>(e));
@@ -282,37 +358,37 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   constexpr double float_reduction = 1e-5, useful_reduction = 0.1;
 
   const HalfedgeWeights<T> weights(mesh, geometry, options);
-  const EnergyWeights<T> p{mesh, weights, static_cast<T>(options.detail)};
-  const auto cot = [&](Index h) { return geometry.cot(h); };
-  const FaceStates<T> states{mesh, geometry, p, c.tau, r};
+  const FaceStates<T> states{mesh, geometry, weights, options.detail, c.tau, r};
+  const auto coefficients = [&](const auto& first, auto& out) { states.coefficients(first, out); };
   const LargeArray<double> u_memory(3 * static_cast<std::size_t>(mesh.edges()));
   const LargeArray<double> x(static_cast<std::size_t>(mesh.halfedges()));
   ValuesOut u(u_memory.data(), 3, mesh.edges());
   parallel_for(mesh.edges(), [&](std::int64_t e) { u.col(e).setZero(); });
   {
-    CorrectionSystem<float> system(mesh, cot, p, fix_rho);
+    const FacePairs faces = fix_rho ? single_faces(mesh) : pair_faces(mesh, geometry);
+    CorrectionSystem<float> system(mesh, faces, coefficients, fix_rho);
     std::optional<CorrectionSystem<double>> full_system;  // only where float does not do
     std::optional<HeldRho> held;
     if (fix_rho) held.emplace(mesh, geometry);
 
     const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-    const LargeArray<double> parts_memory(3 * static_cast<std::size_t>(mesh.halfedges()));
-    ValuesOut parts(parts_memory.data(), 3, mesh.halfedges());
-    const auto rhs = [&](Index e) {
-      std::array<double, 3> pull = states.pull(parts, e);
+    const LargeArray<double> parts_memory(6 * static_cast<std::size_t>(faces.outer));
+    ValuesOut parts(parts_memory.data(), 3, 2 * std::int64_t{faces.outer});
+    const auto rhs = [&](Index i) {
+      std::array<double, 3> pull = pull_on(parts, i, mesh.boundary_halfedge(mesh.halfedge(faces.edge[at(i)])));
       if (fix_rho) pull[2] = 0;
       return pull;
     };
     const auto improve = [&](const auto& solved) {
-      parallel_for(mesh.edges(), [&](std::int64_t e) {
-        const auto gain = solved.solution(static_cast<Index>(e));
-        for (Eigen::Index k = 0; k < 3; ++k) u(k, e) += double(gain[static_cast<std::size_t>(k)]);
+      parallel_for(faces.outer, [&](std::int64_t i) {
+        const auto gain = solved.solution(static_cast<Index>(i));
+        for (Eigen::Index k = 0; k < 3; ++k) u(k, faces.edge[at(i)]) += double(gain[static_cast<std::size_t>(k)]);
       });
     };
     double first = 0, last = 0;
     c.report.iterations = 0;
     for (int round = 0;; ++round) {
-      states.pull_parts(u, parts, x.data());
+      states.pull(system, faces, u, parts, x.data());
       // Measured through the preconditioner; float is enough for a norm.
       const double square = system.start(rhs);
       const double norm = std::sqrt(std::max(0.0, square));
@@ -324,25 +400,26 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       if (c.report.residual <= tolerance || left <= 0) break;
       if (round > 0 && norm > useful_reduction * last) {
         if (full_system) break;  // full precision has reached its own rounding
-        full_system.emplace(mesh, cot, p, fix_rho);
+        full_system.emplace(mesh, faces, coefficients, fix_rho);
       }
       last = norm;
       const double wanted = 0.5 * tolerance / c.report.residual;
       if (held) {
         const VectorX<T> nothing;
         const LiftedResiduals<T> nowhere;
-        const FaceStates<T> rest{mesh, geometry, p, nothing, nowhere, true};
+        const FaceStates<T> rest{mesh, geometry, weights, options.detail, nothing, nowhere, true};
         VectorX<double> moved(mesh.halfedges());
-        EdgeValues<double> gradient(3, mesh.edges());
+        EdgeValues gradient(3, mesh.edges());
         parallel_for(mesh.edges(), [&](std::int64_t e) {
           const auto pull = rhs(static_cast<Index>(e));
           for (Eigen::Index k = 0; k < 3; ++k) gradient(k, e) = pull[static_cast<std::size_t>(k)];
         });
-        const auto product = [&](const EdgeValues<double>& direction) {
-          EdgeValues<double> out(3, mesh.edges());
-          rest.pull_parts(direction, parts, moved.data());
+        const auto product = [&](EdgeValues& direction) {
+          EdgeValues out(3, mesh.edges());
+          ValuesOut turned(direction.data(), 3, mesh.edges());
+          rest.pull(system, faces, turned, parts, moved.data());
           parallel_for(mesh.edges(), [&](std::int64_t e) {
-            const auto pull = rest.pull(parts, static_cast<Index>(e));
+            const auto pull = rhs(static_cast<Index>(e));
             out(0, e) = -pull[0];
             out(1, e) = -pull[1];
             out(2, e) = 0;

@@ -38,7 +38,7 @@ set(also
   "^src/homology = topology"
   "^src/branches = field"
   "^src/component_blocks = design"
-  "^src/(triangle_frame|correction_system|grounded_laplacian|large_array) = connection"
+  "^src/(triangle_frame|correction_system|face_pairs|grounded_laplacian|large_array|simd/correction) = connection"
   "^src/simd/ = energies"
   "^include/alcap/detail/triangle_entries = energies"
   "^include/alcap/detail/(isa|angles) = conventions"

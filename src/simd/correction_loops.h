@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: MIT
+//
+// correction_loops.h: picks the loops of correction_raw.h for this machine.
+#pragma once
+
+#include "alcap/detail/isa.h"
+#include "src/simd/correction_raw.h"
+
+namespace alcap::detail::simd {
+
+/// The same bits for every instruction set. Throws OptionError when `isa` is not available here.
+template <class S>
+[[nodiscard]] CorrectionLoops<S> correction_loops(Isa isa);
+
+}  // namespace alcap::detail::simd
