@@ -442,16 +442,28 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     c.report.message = "the global connection stopped after " + std::to_string(c.report.iterations) +
                        " iterations above its tolerance; raise max_iterations, tolerance or detail";
 
+  // The frame of a vertex may be turned without a change of energy. The one that is kept turns the directions of the
+  // vertex's faces by 0 on average, whichever way the iteration took.
+  VectorX<double> turn(mesh.vertices());
+  parallel_for(mesh.vertices(), [&](std::int64_t v) {
+    double sum = 0, weight = 0;
+    if (!fix_rho)
+      mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) {
+        sum += double(geometry.angle(h)) * x[at(h)];
+        weight += double(geometry.angle(h));
+      });
+    turn[v] = weight > 0 ? sum / weight : 0.0;
+  });
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     const Index h = static_cast<Index>(3 * t);
     for (Index k = 0; k < 3; ++k) {
       const Index e = mesh.edge(h + k);
-      const T here = static_cast<T>(x[at(h + k)]), ahead = static_cast<T>(x[at(h + (k + 1) % 3)]);
-      c.rho_t[h + k] += here;
-      r.start[h + k] += here;
-      r.end[h + k] += ahead;
+      const double here = x[at(h + k)];
+      c.rho_t[h + k] += static_cast<T>(here - turn[mesh.tail(h + k)]);
+      r.start[h + k] += static_cast<T>(here);
+      r.end[h + k] += static_cast<T>(x[at(h + (k + 1) % 3)]);
       if (!fix_rho && mesh.canonical(h + k)) {
-        c.rho[e] += static_cast<T>(u(2, e));
+        c.rho[e] += static_cast<T>(u(2, e) - turn[mesh.tail(h + k)] + turn[mesh.tip(h + k)]);
         c.eps[e] += static_cast<T>(u(2, e));
       }
     }
@@ -459,8 +471,8 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   parallel_for(mesh.edges(), [&](std::int64_t e) {
     const auto [at_tail, at_tip] = edge_correction(mesh, weights, r, static_cast<Index>(e));
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    c.rho_e[2 * e] += at_tail;
-    c.rho_e[2 * e + 1] += at_tip;
+    c.rho_e[2 * e] += at_tail - static_cast<T>(turn[mesh.tail(h)]);
+    c.rho_e[2 * e + 1] += at_tip - static_cast<T>(turn[mesh.tip(h)]);
     c.eps[e] += at_tip - at_tail;
     r.start[h] -= at_tail;
     r.end[h] -= at_tip;

@@ -194,6 +194,25 @@ TEST_CASE("the start does not matter: the optimum from the polar and from the lo
   check_definitions(s, c);
 }
 
+TEST_CASE("faces around a vertex keep their direction on average, however edges are numbered") {
+  for (const Surface& surface : {jittered_sphere(3, 0.2, 4), noisy_scan(3, 0.1, 2), disk(8)}) {
+    const Case s(surface);
+    const auto start = polar(s.mesh, s.geometry);
+    const auto c = globally_optimal(s.mesh, s.geometry, {.tolerance = 1e-12});
+    double largest = 0;
+    for (Index v = 0; v < s.mesh.vertices(); ++v) {
+      double sum = 0;
+      s.mesh.for_each_outgoing(v, [&](Index h) {
+        const double turn = wrap(c.rho_t[h] - start.rho_t[h]);
+        largest = std::max(largest, std::abs(turn));
+        sum += s.geometry.angle(h) * turn;
+      });
+      CHECK(std::abs(sum) < 1e-12);
+    }
+    if (s.mesh.vertices() == s.mesh.faces() / 2 + 2) CHECK(largest > 1e-3);  // closed and curved: it did turn some
+  }
+}
+
 TEST_CASE("the deviations reported by the optimisation are those of its result") {
   for (const Surface& surface : {jittered_sphere(3, 0.2, 6), noisy_scan(3, 0.1, 5), cylinder(16, 8)}) {
     const Case s(surface);
