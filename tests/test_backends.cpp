@@ -59,11 +59,11 @@ void all_agree(const SparseMatrix<Scalar>& A, const SparseMatrix<Scalar>& transp
 }  // namespace
 
 TEST_CASE("linear backends agree on every kind of mesh, complex and real") {
-  for (const auto& [name, surface] : mesh_families(3)) {
+  for (const Family& family : mesh_families(3)) {
     for (const int n : {1, 4}) {
-      CAPTURE(name);
+      CAPTURE(family.name);
       CAPTURE(n);
-      const Problem p = problem_with_best_connection(surface, n);
+      const Problem p = problem_with_best_connection(family.surface, n);
       const Hermitian A = p.shifted();
       all_agree<Z>(A, p.M, random_dense(A.rows(), 2, 1));
       if (n > 1) continue;
@@ -81,12 +81,12 @@ TEST_CASE("linear backends agree on every kind of mesh, complex and real") {
 }
 
 TEST_CASE("eigensolvers agree on every kind of mesh, for every degree") {
-  for (const auto& [name, surface] : mesh_families(2)) {
+  for (const Family& family : mesh_families(2)) {
     for (const int n : {1, 2, 3, 4, 6}) {
-      const Problem p = problem_with_best_connection(surface, n);
+      const Problem p = problem_with_best_connection(family.surface, n);
       double reference = -1;
       for (const std::string& method : eigen_solvers()) {
-        CAPTURE(name);
+        CAPTURE(family.name);
         CAPTURE(n);
         CAPTURE(method);
         const EigenResult r = smallest_eigenpair(p.S, p.M, p.area, {.method = method, .max_iterations = 20000});
@@ -104,13 +104,13 @@ TEST_CASE("eigensolvers agree on every kind of mesh, for every degree") {
 }
 
 TEST_CASE("methods that solve linear systems give the same over every backend") {
-  for (const auto& [name, surface] : mesh_families(2)) {
+  for (const Family& family : mesh_families(2)) {
     for (const int n : {1, 4}) {
-      const Problem p = problem_with_best_connection(surface, n);
+      const Problem p = problem_with_best_connection(family.surface, n);
       const double reference = smallest_eigenpair(p.S, p.M, p.area).report.lambda;
       for (const std::string method : {"lanczos", "inverse-iteration"}) {
         for (const std::string& solver : linear_solvers()) {
-          CAPTURE(name);
+          CAPTURE(family.name);
           CAPTURE(n);
           CAPTURE(method);
           CAPTURE(solver);

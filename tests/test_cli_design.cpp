@@ -7,7 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <tuple>
+#include <vector>
 
 #include "alcap/output.h"
 #include "cli_runner.h"
@@ -34,9 +34,9 @@ int index_in(const Json& report, int face) {
 
 void check_certified(const Json& r) {
   CHECK(r["ok"] == true);
-  for (const auto& [key, value] : r["certificate"].items()) {
-    CAPTURE(key);
-    CHECK(value == true);
+  for (const auto& item : r["certificate"].items()) {
+    CAPTURE(item.key());
+    CHECK(item.value() == true);
   }
   CHECK(r["singularities"]["index_sum"] == r["singularities"]["expected"]);
   CHECK(r["solve"]["residual"].get<double>() <= (r["solve"]["method"] == "eigen" ? 1e-8 : 1e-9));
@@ -70,16 +70,19 @@ TEST_CASE("every example design runs on a generated sphere and has what it asks 
     CHECK(reports[name]["singularities"]["expected"] == 2 * reports[name]["design"]["n"].get<int>());
   }
   // Turning by 60 degrees keeps the face and turns the pattern by 60 degrees, modulo its symmetry.
-  for (const auto& [plain, turned, symmetry] :
-       std::vector<std::tuple<std::string, std::string, int>>{{"fig6_saddle", "fig6_saddle_turned", 2},
-                                                              {"fig6_trisector", "fig6_trisector_turned", 3},
-                                                              {"fig7_source", "fig7_spiral", 1},
-                                                              {"fig7_wedge", "fig7_wedge_turned", 1}}) {
-    CAPTURE(turned);
-    const Json &a = control(reports[plain], "/singularities/0"), &b = control(reports[turned], "/singularities/0");
+  struct Pair {
+    std::string plain, turned;
+    int symmetry;
+  };
+  for (const Pair& p : {Pair{"fig6_saddle", "fig6_saddle_turned", 2},
+                        {"fig6_trisector", "fig6_trisector_turned", 3},
+                        {"fig7_source", "fig7_spiral", 1},
+                        {"fig7_wedge", "fig7_wedge_turned", 1}}) {
+    CAPTURE(p.turned);
+    const Json &a = control(reports[p.plain], "/singularities/0"), &b = control(reports[p.turned], "/singularities/0");
     CHECK(a["asked"]["face"] == b["asked"]["face"]);
     const double angle = b["achieved"]["angle_degrees"].get<double>() - a["achieved"]["angle_degrees"].get<double>();
-    CHECK(std::abs(std::remainder(angle - 60, 360.0 / symmetry)) < 1);
+    CHECK(std::abs(std::remainder(angle - 60, 360.0 / p.symmetry)) < 1);
   }
   // Singularities of the trivial connection lie at the cones.
   const Surface ball = icosphere(4);

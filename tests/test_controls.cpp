@@ -56,7 +56,8 @@ double relative(const ComplexVectorX<double>& a, const ComplexVectorX<double>& b
 TEST_CASE("a fixed direction leaves the length free: the best of all lengths, by direct search") {
   const Case s(jittered_sphere(1, 0.1, 2));
   const int n = 2;
-  const auto [S, M] = s.matrices(n);
+  const auto matrices = s.matrices(n);
+  const auto &S = matrices.S, &M = matrices.M;
   const ComplexVectorX<double> u0 = s.random_field(1);
   const auto energy = [&](const ComplexVectorX<double>& u) {
     return u.dot(S * u).real() + 0.7 * s.unit(n) / 2 * (u - u0).dot(M * (u - u0)).real();
