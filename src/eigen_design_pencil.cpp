@@ -161,15 +161,17 @@ class Pencil {
       const Eigen::Index size = 2 * S_.rows();
       const Eigen::Map<const Vector> b(x, size);
       Eigen::Map<Vector> result(y, size);
-      result = update(b);
-      // One step of refinement: heavy strokes cancel most of the first solve.
       Vector Sx(size), Mx(size);
-      pencil.S(y, Sx.data());
-      if (shift_ < 0) {
-        pencil.M(y, Mx.data());
-        Sx -= shift_ * Mx;
+      result = update(b);
+      // Refinement: heavy strokes cancel most of the first solve.
+      for (int step = 0; step < 2; ++step) {
+        pencil.S(y, Sx.data());
+        if (shift_ < 0) {
+          pencil.M(y, Mx.data());
+          Sx -= shift_ * Mx;
+        }
+        result += update(b - Sx);
       }
-      result += update(b - Sx);
     };
   }
 
