@@ -68,9 +68,16 @@ void relax_faces(const FaceBlock<S>* blocks, long long count, S* exchange, S* su
 template <class Tag, int L, class S>
 void relax_pairs(const PairBlock<S>* blocks, long long count, S* exchange, S* sums) {
   using P = Pack<S, L, Tag>;
+  constexpr int ahead = 16;
   for (long long b = 0; b < count; ++b) {
     if (b + 1 < count) prefetch<Tag>(blocks + b + 1, sizeof(PairBlock<S>));
     for (int l = 0; l < block_size; l += L) {
+      // Rows of pairs to come: where a mesh does not fit into the cache, they are what a step waits for.
+      if (const long long later = b * block_size + l + ahead; later < count * block_size)
+        for (int k = 0; k < 4; ++k) {
+          const std::uint32_t* const rows = blocks[later / block_size].row[k / 2][k % 2] + later % block_size;
+          for (int i = 0; i < L; ++i) __builtin_prefetch(exchange + 4ULL * rows[i]);
+        }
       kernels::FaceCoefficients<P> c[2];
       P inverse[6], v[2][3][3], before[2][3][3], x[2][3], between[3], sum = P::load(sums + l);
       S* row[2][2][L];
