@@ -58,10 +58,10 @@ class Hierarchy {
   void build(const Operand& A, const SparseMatrix<std::complex<double>>* transport,
              const std::function<bool()>& cancel = {});
 
-  /// From now on cycles on the finest level are approximate inverses of A - sigma M on smooth vectors: the coarser levels
-  /// become those of A - sigma M, whose smallest eigenvalue there must be positive; the smoother above does not feel
-  /// sigma. `masses` are lumped masses of every level in its scaled unknowns and are kept so. Levels too coarse for
-  /// vectors with an eigenvalue of sigma stay as they are.
+  /// From now on cycles on the finest level are approximate inverses of A - sigma M on smooth vectors: the coarser
+  /// levels become those of A - sigma M, whose smallest eigenvalue there must be positive; the smoother above does not
+  /// feel sigma. `masses` are lumped masses of every level in its scaled unknowns and are kept so. Levels too coarse
+  /// for vectors with an eigenvalue of sigma stay as they are.
   void shift(std::vector<Buffer<float>>& masses, float sigma);
 
   /// Workspace of W-cycles with K vectors (1, 4, 8 or 16) that start on level `first` or coarser.
