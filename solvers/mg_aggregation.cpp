@@ -17,7 +17,7 @@ ComplexF unit(ComplexF z) { return z / std::sqrt(std::norm(z)); }
 
 class Aggregation {
  public:
-  explicit Aggregation(const Level& level) : level_(level), A_(level.off), rows_(level.rows()) {
+  explicit Aggregation(const Level& level) : level_(level), A_(level.off), g_(level.guided()), rows_(level.rows()) {
     result_.aggregate = Buffer<Index>(rows_);
     result_.transport = Buffer<ComplexF>(rows_);
     parallel_for(rows_, [this](std::int64_t i) {
@@ -40,14 +40,14 @@ class Aggregation {
     if (result_.aggregate[i] != none) return;
     Index size = 1;
     for (std::int64_t e = A_.start[i]; e < A_.start[i + 1]; ++e) {
-      if (!strong(A_.value[e])) continue;
+      if (!strong(g_[e])) continue;
       if (result_.aggregate[A_.column[e]] != none) return;
       ++size;
     }
     if (size == 1) return;
     result_.aggregate[i] = result_.count;
     for (std::int64_t e = A_.start[i]; e < A_.start[i + 1]; ++e) {
-      if (strong(A_.value[e])) take(A_.column[e], A_.value[e]);
+      if (strong(g_[e])) take(A_.column[e], g_[e]);
     }
     ++result_.count;
     sizes_.push_back(size);
@@ -76,10 +76,10 @@ class Aggregation {
     int count = 0;
     for (std::int64_t e = A_.start[i]; e < A_.start[i + 1]; ++e) {
       const Index j = A_.column[e];
-      if (!strong(A_.value[e])) continue;
+      if (!strong(g_[e])) continue;
       const Index a = seen(j);
       if (a < 0) continue;
-      const ComplexF value = -A_.value[e] * result_.transport[j] * level_.near[j];
+      const ComplexF value = -g_[e] * result_.transport[j] * level_.guided_near()[j];
       int k = 0;
       while (k < count && pull[k].aggregate != a) ++k;
       if (k < count) {
@@ -119,9 +119,9 @@ class Aggregation {
       bool any = false;
       for (std::int64_t e = A_.start[i]; e < A_.start[i + 1]; ++e) {
         const Index j = A_.column[e];
-        if (!strong(A_.value[e]) || result_.aggregate[j] != none) continue;
+        if (!strong(g_[e]) || result_.aggregate[j] != none) continue;
         any = true;
-        take(j, A_.value[e]);
+        take(j, g_[e]);
       }
       if (any) result_.aggregate[i] = result_.count++;
     }
@@ -129,6 +129,7 @@ class Aggregation {
 
   const Level& level_;
   const Rows& A_;
+  const Buffer<ComplexF>& g_;
   Index rows_;
   Aggregates result_;
   std::vector<Index> sizes_;  // of the aggregates of the first round

@@ -18,8 +18,8 @@ constexpr Index dense_rows = 96;
 /// Coarsening that keeps more than this part of the rows has come to its end.
 constexpr double stalled = 0.8;
 
-/// The finest level: A in single precision, couplings against the transport lumped into the diagonal. These stay as
-/// zeros, so that the pattern is that of A. `unit` becomes the mean diagonal.
+/// The finest level: A in single precision. With a transport its guide has couplings against that lumped into the
+/// diagonal; they stay as zeros, so that the pattern is that of A. `unit` becomes the mean diagonal.
 Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transport, double& unit) {
   const auto n = static_cast<Index>(A.S.rows());
   const Index* const start = A.S.outerIndexPtr();
@@ -36,30 +36,36 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
   const std::int64_t total = parallel_exclusive_scan(off.start.data(), std::int64_t{n} + 1);
   off.column = Buffer<Index>(total);
   off.value = Buffer<ComplexF>(total);
+  if (transport != nullptr) {
+    level.guide = Buffer<ComplexF>(total);
+    level.guide_near = Buffer<float>(n);
+  }
   level.near = Buffer<float>(n);
   Buffer<double> diagonal(n);
   // Row i of A is the conjugate of column i.
   parallel_for(n, [&](std::int64_t i) {
     std::int64_t to = off.start[i];
     double sum = 0;
+    double lumped = 0;
     for (Index e = start[i]; e < start[i + 1]; ++e) {
       const std::complex<double> a = std::conj(A.value(e));
       if (row[e] == i) {
         sum += a.real();
         continue;
       }
-      ComplexF kept(static_cast<float>(a.real()), static_cast<float>(a.imag()));
+      const ComplexF kept(static_cast<float>(a.real()), static_cast<float>(a.imag()));
       if (transport != nullptr) {
         const std::complex<double> t = std::conj(transport->valuePtr()[e]);
         const double against = a.real() * t.real() + a.imag() * t.imag();
         // w |u_i - t u_j|^2 with w = -against / |t| < 0: without it the diagonal is larger by |w|.
-        if (against > 0) sum += against / std::sqrt(std::norm(t));
-        if (!(against < 0)) kept = 0;
+        if (against > 0) lumped += against / std::sqrt(std::norm(t));
+        level.guide[to] = against < 0 ? kept : 0;
       }
       off.column[to] = row[e];
       off.value[to++] = kept;
     }
     diagonal[i] = sum;
+    if (transport != nullptr) level.guide_near[i] = static_cast<float>(std::sqrt(sum + lumped));
   });
   for (Index i = 0; i < n; ++i) {
     if (diagonal[i] > 0 && std::isfinite(diagonal[i])) continue;
@@ -73,34 +79,72 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
     const float own = scale / level.near[i];
     for (std::int64_t e = off.start[i]; e < off.start[i + 1]; ++e) off.value[e] *= own / level.near[off.column[e]];
   });
+  if (transport != nullptr) {
+    parallel_for(n, [&](std::int64_t i) { level.guide_near[i] /= std::sqrt(static_cast<float>(unit)); });
+    parallel_for(n, [&](std::int64_t i) {
+      const float own = scale / level.guide_near[i];
+      for (std::int64_t e = off.start[i]; e < off.start[i + 1]; ++e)
+        level.guide[e] *= own / level.guide_near[off.column[e]];
+    });
+  }
   return level;
 }
 
-/// A bound of the spectrum of a level by the power method.
-float largest_eigenvalue(const Level& level) {
-  // The power method comes from below: after so many steps by less than this factor.
+/// By how much the couplings of row i, along the near-null vector, exceed the diagonal: 0 without couplings of the
+/// wrong sign (obtuse angles).
+float excess(const Level& level, std::int64_t i) {
+  float sum = 0;
+  for (std::int64_t e = level.off.start[i]; e < level.off.start[i + 1]; ++e)
+    sum += std::sqrt(std::norm(level.off.value[e])) * level.near[level.off.column[e]];
+  return std::max(0.0F, sum / level.near[i] - 1);
+}
+
+/// The largest eigenvalue by the power method, from a rough vector with lengths weight(i).
+template <class Weight>
+double power_method(const Level& level, Weight&& weight) {
   constexpr int steps = 6;
-  constexpr double margin = 1.12;
   const Index n = level.rows();
-  const Rows& A = level.off;
   Buffer<ComplexF> x(n), y(n);
   parallel_for(n, [&](std::int64_t i) {
     // Any fixed rough vector: two hashes of the row number.
     const auto h = static_cast<std::uint32_t>(i) * 2654435769U;
-    x[i] = {static_cast<float>(h >> 16) / 65536.0F - 0.5F,
-            static_cast<float>((h * 747796405U) >> 16) / 65536.0F - 0.5F};
+    x[i] = weight(i) * ComplexF(static_cast<float>(h >> 16) / 65536.0F - 0.5F,
+                                static_cast<float>((h * 747796405U) >> 16) / 65536.0F - 0.5F);
   });
   for (int step = 0; step < steps; ++step) {
     const auto* const from = reinterpret_cast<const float*>(x.data());
-    combine_rows<1>(A, from, 1, from, 0, nullptr, 1, reinterpret_cast<float*>(y.data()));
+    combine_rows<1>(level.off, from, 1, from, 0, nullptr, 1, reinterpret_cast<float*>(y.data()));
     std::swap(x, y);
   }
   const auto square = [n](const Buffer<ComplexF>& v) {
     return parallel_sum<double>(n, [&](std::int64_t i) { return double{std::norm(v[i])}; });
   };
   const double before = square(y);
-  const double estimate = before > 0 ? std::sqrt(square(x) / before) : 1;
-  return static_cast<float>(margin * estimate);
+  return before > 0 ? std::sqrt(square(x) / before) : 1;
+}
+
+/// A bound of the spectrum of a level.
+float largest_eigenvalue(const Level& level) {
+  // The power method comes from below: after so many steps by less than this factor.
+  constexpr double margin = 1.12;
+  double largest = power_method(level, [](std::int64_t) { return 1.0F; });
+  // The largest eigenvectors live on the worst slivers, which a vector that is as large everywhere does not find.
+  constexpr float little = 0.1F;
+  const float worst = parallel_reduce(
+      std::int64_t{level.rows()}, 0.0F,
+      [&](std::int64_t begin, std::int64_t end) {
+        float most = 0;
+        for (std::int64_t i = begin; i < end; ++i) most = std::max(most, excess(level, i));
+        return most;
+      },
+      [](float a, float b) { return std::max(a, b); });
+  if (worst > little) {
+    largest = std::max(largest, power_method(level, [&](std::int64_t i) {
+                         const float part = excess(level, i) / worst;
+                         return part * part;
+                       }));
+  }
+  return static_cast<float>(margin * largest);
 }
 
 }  // namespace
@@ -118,6 +162,8 @@ void Hierarchy::build(const Operand& A, const SparseMatrix<std::complex<double>>
     if (aggregates.count == 0 || aggregates.count > stalled * fine.rows()) break;
     smooth_prolongation(fine, aggregates);
     Level coarse = galerkin(fine);
+    fine.guide = {};
+    fine.guide_near = {};
     if (coarse.rows() == 0) {
       fine.prolongation = {};
       fine.restriction = {};

@@ -53,8 +53,9 @@ struct Operand {
 class Hierarchy {
  public:
   /// Builds all levels from A. `transport`, when not null, is a matrix of A's pattern whose off-diagonal phases are the
-  /// transports (the mass matrix is one): couplings of A that work against them (obtuse angles, mass terms) are lumped.
-  /// Bitwise independent of threads. Throws SolveError when A has a diagonal entry that is not positive, Cancelled.
+  /// transports (the mass matrix is one): couplings of A that work against them (obtuse angles, mass terms) stay in the
+  /// operator, but aggregates and prolongation are those of A with such couplings lumped. Bitwise independent of
+  /// threads. Throws SolveError when A has a diagonal entry that is not positive, Cancelled.
   void build(const Operand& A, const SparseMatrix<std::complex<double>>* transport,
              const std::function<bool()>& cancel = {});
 

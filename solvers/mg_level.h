@@ -49,12 +49,18 @@ struct Rows {
 
 /// One level: the operator with unit diagonal, and the way to the next coarser level.
 struct Level {
-  Rows off;            ///< off-diagonal entries
-  Buffer<float> near;  ///< N, the roots of the diagonal before scaling: moduli of the near-null vectors
-  float largest = 2;   ///< bound of the spectrum
-  Rows prolongation;   ///< fine rows; empty on the coarsest level
-  Rows restriction;    ///< its adjoint, coarse rows
+  Rows off;                  ///< off-diagonal entries
+  Buffer<float> near;        ///< N, the roots of the diagonal before scaling: moduli of the near-null vectors
+  Buffer<ComplexF> guide;    ///< see guided(); not kept
+  Buffer<float> guide_near;  ///< N of the matrix of the guide
+  float largest = 2;         ///< bound of the spectrum
+  Rows prolongation;         ///< fine rows; empty on the coarsest level
+  Rows restriction;          ///< its adjoint, coarse rows
   [[nodiscard]] Index rows() const { return off.rows(); }
+  /// What aggregation and prolongation follow: off-diagonal entries in the pattern of `off`, scaled like it by the
+  /// roots of their own diagonal. The operator itself where there is no guide.
+  [[nodiscard]] const Buffer<ComplexF>& guided() const { return guide.size() == 0 ? off.value : guide; }
+  [[nodiscard]] const Buffer<float>& guided_near() const { return guide.size() == 0 ? near : guide_near; }
 };
 
 /// Rows per task: about 50 microseconds of work.

@@ -19,24 +19,27 @@ void prolongation_row(const Level& level, const Aggregates& aggregates, std::int
   // Weak entries never take more than this part of the diagonal.
   constexpr float least = 0.25F;
   const Rows& A = level.off;
+  const Buffer<ComplexF>& g = level.guided();
+  const Buffer<float>& near = level.guided_near();
   row.clear();
   const auto add = [&](std::int64_t j, ComplexF weight) {
     const ComplexF t = aggregates.transport[j];
-    const double near = level.near[j];
-    row.add(aggregates.aggregate[j], near * double{weight.real() * t.real() - weight.imag() * t.imag()},
-            near * double{weight.real() * t.imag() + weight.imag() * t.real()});
+    const double length = near[j];
+    row.add(aggregates.aggregate[j], length * double{weight.real() * t.real() - weight.imag() * t.imag()},
+            length * double{weight.real() * t.imag() + weight.imag() * t.real()});
   };
   float weak = 0;
   for (std::int64_t e = A.start[i]; e < A.start[i + 1]; ++e) {
     const Index j = A.column[e];
-    if (!strong(A.value[e])) {
-      weak += std::sqrt(std::norm(A.value[e])) * level.near[j];
+    if (!strong(g[e])) {
+      weak += std::sqrt(std::norm(g[e])) * near[j];
     } else if (aggregates.aggregate[j] != none) {
-      add(j, A.value[e]);
+      add(j, g[e]);
     }
   }
-  row.scale(-omega / std::max(1 - weak / level.near[i], least));
+  row.scale(-omega / std::max(1 - weak / near[i], least));
   if (aggregates.aggregate[i] != none) add(i, 1 - omega);
+  if (level.guide.size() > 0) row.scale(double{level.near[i]} / double{near[i]});
 }
 
 /// Adjoint: fine rows in ascending order in every coarse row.

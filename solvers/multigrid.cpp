@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // multigrid.cpp: flexible conjugate gradients (Notay 2000) in double, preconditioned by a single precision W-cycle of
-// gauge-covariant smoothed aggregation. On triangle meshes 10 to 20 iterations at any size; needle triangles with large
-// negative cotangents (CAD tessellations) are the exception: where the cycles stall the matrix is factorised, and the
-// report's `solver` says so.
+// gauge-covariant smoothed aggregation. On triangle meshes 9 to 20 iterations at any size. Where the cycles stall, on
+// matrices that are no connection Laplacians, the matrix is factorised, and the report's `solver` says so.
 #include <algorithm>
 #include <cmath>
 #include <memory>
