@@ -182,8 +182,7 @@ class Cascade {
     if (l == 0) return finest<K>(std::move(x), values);
     // The coarsest level knows the spectrum roughly: a block that turns out too small is done again.
     const auto enough = [&](int k) { return k < K && values[k] >= (k == 4 ? gap_of_4 : gap) * values[0]; };
-    Refined result;
-    result.end = Refined::End::narrow;
+    Refined result = too_narrow();
     if (K == 4 || enough(4)) result = down<4, K>(l, x, values);
     if constexpr (K >= 8) {
       if (result.end == Refined::End::narrow && (K == 8 || enough(8))) result = down<8, K>(l, x, values);
@@ -194,12 +193,25 @@ class Cascade {
     return result;
   }
 
+  /// Whether a cluster may go on beyond a block that could be wider.
+  template <int K>
+  static bool narrow(const VectorX<double>& values) {
+    return K < 16 && values[K - 1] <= cluster * values[0];
+  }
+
+  static Refined too_narrow() {
+    Refined result;
+    result.end = Refined::End::narrow;
+    return result;
+  }
+
   template <int K, int C>
   Refined down(std::size_t l, const Buffer<float>& coarsest, VectorX<double> values) {
     Buffer<float> x = prolonged<K, C>(hierarchy_.levels()[l - 1], coarsest);
     for (--l; l > 0; --l) {
       x = on_level<K>(l, std::move(x), level_steps, values);
       if (values.size() < K) return {};
+      if (narrow<K>(values)) return too_narrow();
       x = prolonged<K, K>(hierarchy_.levels()[l - 1], x);
     }
     return finest<K>(std::move(x), values);
@@ -242,11 +254,7 @@ class Cascade {
       settled = change <= (members > 1 ? close_settled : next_settled) * std::max(now[0], floor_);
     }
     if (block.values().size() < K) return {};
-    if (K < 16 && block.values()[K - 1] <= cluster * block.values()[0]) {
-      Refined result;
-      result.end = Refined::End::narrow;
-      return result;
-    }
+    if (narrow<K>(block.values())) return too_narrow();
     const RefineOptions refinement{.tolerance = options_.tolerance,
                                    .floor = floor_,
                                    .negative = negligible * floor_,
