@@ -7,7 +7,6 @@
 #include <new>
 #include <string>
 
-#include "alcap/parallel.h"
 #include "solvers/backends.h"
 #include "solvers/eigen_problem.h"
 
@@ -32,24 +31,6 @@ constexpr Eigen::Index dense_rows = 48;
 /// From here on the cascade beats the factorisation: at 1,000 rows in 0.4 to 0.7 of its time on tori and for
 /// n = 1, but in 1.4 times its time for nine-fold eigenvalues (round spheres, n = 4), where 1,600 rows break even.
 constexpr Eigen::Index multigrid_rows = 1000;
-/// On needles the cascade takes 1 to 6 times as long up to here.
-constexpr Eigen::Index needle_rows = 10'000;
-
-/// Whether most vertices are coupled along one line only: (sum |a|)^2 / sum |a|^2 over a row's couplings is 2 there, 5
-/// to 6 on good triangles, 3.6 on right-angled ones.
-bool needles(const detail::HermitianMatrix& S) {
-  constexpr double few = 2.8;
-  const double sum = parallel_sum<double>(S.cols(), [&](std::int64_t j) {
-    double moduli = 0, squares = 0;
-    for (detail::HermitianMatrix::InnerIterator a(S, static_cast<Eigen::Index>(j)); a; ++a) {
-      if (a.row() == a.col()) continue;
-      moduli += std::sqrt(std::norm(a.value()));
-      squares += std::norm(a.value());
-    }
-    return squares > 0 ? moduli * moduli / squares : 0.0;
-  });
-  return sum < few * static_cast<double>(S.cols());
-}
 
 void validate(const detail::EigenProblem& problem, const EigenOptions& options) {
   detail::require_square(problem.S);
@@ -70,12 +51,11 @@ void validate(const detail::EigenProblem& problem, const EigenOptions& options) 
   }
 }
 
-const EigenBackend& choose(const EigenOptions& options, const detail::HermitianMatrix& S) {
-  const Eigen::Index rows = S.cols();
+const EigenBackend& choose(const EigenOptions& options, Eigen::Index rows) {
   std::string name = options.method;
   if (name == "auto") {
     // A linear backend asked for by name is meant to be used.
-    const bool cascade = rows >= multigrid_rows && options.solver == "auto" && (rows > needle_rows || !needles(S));
+    const bool cascade = rows >= multigrid_rows && options.solver == "auto";
     name = rows <= dense_rows ? "dense" : cascade ? "lobpcg" : "lanczos";
   }
   // A basis of a Krylov space needs room.
@@ -98,7 +78,7 @@ EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S, cons
   validate(problem, options);
   detail::check_cancelled(options.cancel);
   try {
-    EigenResult result = choose(options, S).smallest(problem, options);
+    EigenResult result = choose(options, S.rows()).smallest(problem, options);
     result.report.seconds = timer.seconds();
     return result;
   } catch (const std::bad_alloc&) {
