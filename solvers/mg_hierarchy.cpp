@@ -123,7 +123,7 @@ double power_method(const Level& level, Weight&& weight) {
   return before > 0 ? std::sqrt(square(x) / before) : 1;
 }
 
-/// A bound of the spectrum of a level.
+/// A bound of the spectrum of a level, give or take a percent.
 float largest_eigenvalue(const Level& level) {
   // The power method comes from below: after so many steps by less than this factor.
   constexpr double margin = 1.12;
