@@ -1,23 +1,24 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# bench.sh [--quick|--full] [--sizes LIST] [--threads LIST] [--out FOLDER] [--no-build]: builds the benchmarks and the
-# tool in build/bench, runs them, and writes JSON, tables (Markdown, CSV) and plots (SVG) into FOLDER (default
-# out/bench). --quick: up to 1.31 million triangles, at most three minutes (the default). --full: up to 21 million, all
-# families, five repetitions. Sizes are triangles, such as 50000,327680. Needs python3, nothing else to install.
+# bench.sh [--quick|--full] [--minutes N] [--sizes LIST] [--threads LIST] [--out FOLDER] [--no-build]: builds the
+# benchmarks and the tool in build/bench, runs them, and writes JSON, tables (Markdown, CSV) and plots (SVG) into FOLDER
+# (default out/bench). --quick: up to 1.31 million triangles (the default). --full: up to 21 million, five repetitions,
+# first the table of targets at all sizes, then all families from small to large. --minutes: the most that a run may take
+# (3 and 360), without building. Sizes are triangles, such as 50000,327680. Needs python3, nothing else to install.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-mode=quick sizes='' threads='' out=$root/out/bench compile=yes
+mode=quick minutes='' sizes='' threads='' out=$root/out/bench compile=yes
 while [ $# -gt 0 ]; do
   case $1 in
     --quick | --full) mode=${1#--} ;;
-    --sizes | --threads | --out)
+    --minutes | --sizes | --threads | --out)
       [ $# -ge 2 ] || die "$1 needs a value."
       declare "${1#--}=$2"
       shift
       ;;
     --no-build) compile=no ;;
-    -h | --help) sed -n '4,7s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '4,8s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) die "unknown option $1; see bench.sh --help." ;;
   esac
   shift
@@ -32,4 +33,4 @@ if [ "$compile" = yes ]; then
 fi
 mkdir -p "$out"
 exec python3 "$root/scripts/bench_run.py" --build "$root/build/bench" --out "$out" --mode "$mode" \
-  ${sizes:+--sizes "$sizes"} ${threads:+--threads "$threads"}
+  ${minutes:+--minutes "$minutes"} ${sizes:+--sizes "$sizes"} ${threads:+--threads "$threads"}

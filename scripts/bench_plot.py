@@ -152,7 +152,8 @@ def plots(report):
     results = [r for r in report["results"] if "size" in r]
     bench = [r for r in results if r["phase"] != "tool"]
     threads = max((r["threads"] for r in bench), default=1)
-    first = "jittered" if any(r.get("family") == "jittered" for r in bench) else bench[0].get("family") if bench else None
+    # The family that reaches the largest size.
+    first = max(bench, key=lambda r: r["size"]).get("family") if bench else None
     faces = lambda r: r.get("faces", r["size"])
     seconds = lambda r: r["seconds"]
     kept = ("halfedges", "topology", "geometry", "connection", "assembly", "eigen", "frames")

@@ -1,28 +1,58 @@
 # SPDX-License-Identifier: MIT
 """Runs the benchmark programs and the tool and writes one JSON of all results.
 
-Called by bench.sh. The work is a list of units, one program on one size each, the targets' first. Before a unit starts its
-time is predicted from the same unit on a smaller mesh; what does not fit into the limit is left out and named, so that
-nothing is stopped in the middle. A program that crashes costs its own numbers only.
+Called by bench.sh. The work is a list of units, one program on one size each, the targets' first. Before a unit starts
+its time and memory are predicted from the same unit on smaller meshes. Where all its repetitions do not fit into what is
+left of the limit it gets as many as fit; what does not fit at all is left out and named, so that nothing is stopped in
+the middle. A program that crashes costs its own numbers only, and results are on disk after every unit.
 """
 import argparse
 import json
+import math
 import os
 import pathlib
 import platform
+import shutil
 import subprocess
 import tempfile
 import time
+import typing
 
 import bench_report
 
-LIMIT = {"quick": 170.0, "full": 6 * 3600.0}
-# A prediction scales with the size; what is not linear gets this much more.
+MINUTES = {"quick": 3, "full": 360}
+# Of the limit, for the tables and plots at the end.
+LAST_SECONDS = 10
+# A prediction scales with the size, or faster where two sizes have shown that; what they do not show gets this much more.
 MARGIN = 1.3
 # Seconds at 50,000 triangles of what has not run yet.
 GUESS = {"kernels": 5, "tool": 1, "eigen": 12, "connection": 1, "assembly": 2, "pipeline": 5, "linear": 12, "design": 4}
-# Bytes per triangle that the tool needs: beyond what is free a size is left out.
-TOOL_BYTES = 1000
+# Bytes per triangle of what has not run yet (700 to 830 were measured), and on disk, for the files of the tool.
+MEMORY_BYTES = 1000
+DISK_BYTES = 800
+
+
+class Unit(typing.NamedTuple):
+    program: str
+    size: int
+    threads: list
+    families: list
+    flags: list
+    repetitions: int
+
+    def kind(self):
+        """What units of different sizes have in common, without the families."""
+        return (self.program, len(self.threads), *self.flags)
+
+
+def only(pattern):
+    return ["--benchmark_filter=" + pattern]
+
+
+AUTO = only("^eigen/.*backend:auto/")
+DEFAULT_DETAIL = only("^connection/.*detail:1/")
+PHASES = only("^(read/.*ply|half|topo|geom|frames)")
+MULTIGRID = only("^product|^linear_(setup|solve)/.*backend:multigrid")
 
 
 def quick_units(sizes, most, one_and_most):
@@ -30,49 +60,119 @@ def quick_units(sizes, most, one_and_most):
     again, for medians."""
     small = [s for s in sizes if s <= 100000] or sizes[:1]
     middle = [s for s in sizes if s <= 400000] or sizes[:1]
+    large_linear = "product|(setup|solve)/.*multigrid"
+    phases = only("^(read|half|topo|geom|frames)")
+
+    def unit(program, size, threads, flags=(), repetitions=1):
+        return Unit(program, size, threads, ["jittered"], list(flags), repetitions)
 
     def targets(size, repetitions):
-        return [("eigen", size, most, ["--benchmark_filter=^eigen/.*backend:auto/"], repetitions),
-                ("connection", size, most, ["--benchmark_filter=detail:1/"], repetitions),
-                ("tool", size, most, [], repetitions)]
+        return [unit("eigen", size, most, AUTO, repetitions),
+                unit("connection", size, most, DEFAULT_DETAIL, repetitions),
+                unit("tool", size, most, [], repetitions)]
 
-    units = [("kernels", small[0], one_and_most, [], 1)]
+    units = [unit("kernels", small[0], one_and_most)]
     for size in sizes:
         units += targets(size, 1)
     for size in small:
         units += [
-            ("eigen", size, most, ["--benchmark_filter=^eigen/.*backend:(lan|lob|inv|pol)"], 1),
-            ("eigen", size, most, ["--degrees=4", "--benchmark_filter=^eigen_tol"], 1),
-            ("linear", size, most, [], 1),
-            ("pipeline", size, one_and_most, ["--benchmark_filter=^batch"], 1),
-            ("design", size, most, [], 1),
+            unit("eigen", size, most, only("^eigen/.*backend:(lan|lob|inv|pol)")),
+            unit("eigen", size, most, ["--degrees=4", *only("^eigen_tol")]),
+            unit("linear", size, most),
+            unit("pipeline", size, one_and_most, only("^batch")),
+            unit("design", size, most),
         ]
-    large_linear = "product|(setup|solve)/.*multigrid"
-    phases = "^(read|half|topo|geom|frames)"
     for size in middle:
         units += [
-            ("assembly", size, one_and_most, [], 1),
-            ("pipeline", size, one_and_most, ["--benchmark_filter=" + phases], 1),
-            ("connection", size, one_and_most[:1], ["--benchmark_filter=detail:1/"], 1),
-            ("eigen", size, one_and_most[:1], ["--degrees=4", "--benchmark_filter=^eigen/.*backend:auto/"], 1),
+            unit("assembly", size, one_and_most),
+            unit("pipeline", size, one_and_most, phases),
+            unit("connection", size, one_and_most[:1], DEFAULT_DETAIL),
+            unit("connection", size, most, only("detail:0.01/")),
+            unit("eigen", size, one_and_most[:1], ["--degrees=4", *AUTO]),
         ]
     for size in small + middle:
         units += targets(size, 2)
     for size in middle:
-        units += [("linear", size, most, ["--benchmark_filter=" + part], 1) for part in (large_linear, "backend:cholmod/")]
+        units += [unit("linear", size, most, only(part)) for part in (large_linear, "backend:cholmod/")]
     for size in sizes:
         if size not in middle:
-            units += [("assembly", size, one_and_most, [], 1),
-                      ("pipeline", size, one_and_most, ["--benchmark_filter=" + phases], 1),
-                      ("linear", size, most, ["--benchmark_filter=" + large_linear], 1)]
+            units += [unit("assembly", size, one_and_most), unit("pipeline", size, one_and_most, phases),
+                      unit("linear", size, most, only(large_linear))]
     return units
 
 
 def full_units(sizes, threads):
-    return [(name, size, threads, [], 5)
-            for size in sizes
-            for name in (["kernels"] if size == sizes[0] else []) +
-            ["tool", "eigen", "connection", "assembly", "pipeline", "linear", "design"]]
+    """The table of targets at every size, its last rows (ratios and growth) at every size, then all the rest from small
+    to large. Fields with matrices in hand and connections are taken on jittered spheres, beyond 1.4 million triangles on
+    noisy scans, and on scans below as well from 300,000 on, for the growth."""
+    two = [min(2, threads[-1])]
+    one_and_two = sorted({threads[0], two[0]})
+    families = ["jittered", "torus", "scan", "cad", "icosphere"]
+    is_scan = lambda size: bench_report.level_of(size) is not None and size > 300000
+    by_size = lambda size: (["jittered"] if size < 1400000 else []) + (["scan"] if is_scan(size) or size >= 1400000 else [])
+
+    units = [Unit("kernels", sizes[0], one_and_two, ["jittered"], [], 5),
+             Unit("pipeline", sizes[0], one_and_two, ["jittered"], only("^batch"), 5)]
+    for size in sizes:
+        for family in by_size(size):
+            units += [Unit("eigen", size, two, [family], AUTO, 5),
+                      Unit("connection", size, two, [family], DEFAULT_DETAIL, 5)]
+        units.append(Unit("tool", size, two, [], [], 5))
+    for size in sizes:
+        family = by_size(size)[-1:]
+        units += [Unit("assembly", size, one_and_two, family, [], 5),
+                  Unit("linear", size, two, family, MULTIGRID, 5),
+                  Unit("pipeline", size, two, family, PHASES, 5)]
+        if size < 1400000:
+            units.append(Unit("connection", size, two, by_size(size)[:1], only("detail:0.01/"), 5))
+
+    # Program, which of its benchmarks, up to which size: direct solvers and hundreds of solves only waste time beyond.
+    rest = [("eigen", AUTO, math.inf), ("eigen", only("-" + AUTO[0].split("=")[1]), 400000), ("connection", [], math.inf),
+            ("assembly", [], math.inf), ("pipeline", only("-^batch"), math.inf), ("linear", MULTIGRID, math.inf),
+            ("linear", only("^linear_[^t].*backend:cholmod"), math.inf),
+            ("linear", only("^linear_tolerance|^linear_solve8/.*multigrid|backend:eigen"), 400000), ("design", [], math.inf)]
+    for size in sizes:
+        units += [Unit(program, size, threads, [family], flags, 5)
+                  for program, flags, largest in rest if size <= largest for family in families]
+    return units
+
+
+class Costs:
+    """What units took, and from that what others will."""
+
+    def __init__(self):
+        self.ran = {}
+
+    def add(self, unit, repetitions, fixed, timed, peak_bytes):
+        sizes = self.ran.setdefault(unit.kind(), {}).setdefault(tuple(unit.families), {})
+        sizes[unit.size] = {"repetitions": repetitions, "fixed": fixed, "each": timed / repetitions, "bytes": peak_bytes}
+
+    def before(self, unit):
+        """Size -> cost of the same families, or else of others."""
+        of_kind = self.ran.get(unit.kind(), {})
+        return of_kind.get(tuple(unit.families)) or next(iter(of_kind.values()), {})
+
+    def nearest(self, unit):
+        """The nearest size that has run, the same one if it has."""
+        return min(self.before(unit).items(), key=lambda ran: abs(ran[0] - unit.size), default=(0, None))
+
+    def seconds(self, unit, repetitions):
+        size, cost = self.nearest(unit)
+        if not cost:
+            # However small the mesh, a benchmark is repeated for a while.
+            return GUESS[unit.program] * max(1.0, unit.size / 50000) * len(unit.threads) * repetitions
+        # Outside of what is timed some work is done once and some in every repetition.
+        seconds = lambda c: c["fixed"] * max(1.0, repetitions / c["repetitions"]) + c["each"] * repetitions
+        exponent = 1.0
+        for smaller, its in self.before(unit).items():
+            if smaller < size < unit.size:
+                slope = math.log(seconds(cost) / seconds(its)) / math.log(size / smaller)
+                exponent = max(exponent, min(slope, 2.0))
+        return MARGIN * seconds(cost) * (unit.size / size) ** exponent
+
+    def bytes(self, unit):
+        size, cost = self.nearest(unit)
+        return 1.1 * cost["bytes"] * unit.size / size if cost else MEMORY_BYTES * unit.size
 
 
 def memory_available():
@@ -85,31 +185,45 @@ def memory_available():
     return 1 << 62
 
 
-def run_program(build, name, size, threads, families, flags):
-    """The benchmarks of one program, with their names taken apart; empty when it fails."""
+def wait_for(child):
+    """Exit code and the system's account of a child: CPU seconds, peak memory."""
+    _, status, usage = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    return child.returncode, usage
+
+
+def run_program(build, unit, repetitions, min_time):
+    """The benchmarks of one program, with their names taken apart (empty when it fails), seconds of them that were timed,
+    and the peak memory."""
     with tempfile.NamedTemporaryFile(suffix=".json") as out:
         command = [
-            str(build / "perf" / f"perf_{name}"),
-            f"--faces={size}",
-            f"--threads={','.join(map(str, threads))}",
-            f"--families={','.join(families)}",
+            str(build / "perf" / f"perf_{unit.program}"),
+            f"--faces={unit.size}",
+            f"--threads={','.join(map(str, unit.threads))}",
+            f"--families={','.join(unit.families)}",
+            f"--benchmark_repetitions={repetitions}",
+            f"--benchmark_min_time={min_time}",
             f"--benchmark_out={out.name}",
             "--benchmark_out_format=json",
-            *flags,
+            *unit.flags,
         ]
         try:
-            status = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode
+            child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         except OSError as error:
-            print(f"   {name}: {error}")
-            return []
+            print(f"   {unit.program}: {error}")
+            return [], 0.0, 0
+        status, usage = wait_for(child)
         if status != 0:
-            print(f"   {name} at {size:,} ended with {status}: what it had finished is kept")
+            print(f"   {unit.program} at {unit.size:,} ended with {status}: what it had finished is kept")
         text = pathlib.Path(out.name).read_text()
     try:
         found = json.loads(text)["benchmarks"]
     except ValueError:
         found = salvage(text)
-    return [bench_report.result_of(name, b) for b in found if b.get("run_type") != "aggregate"]
+    found = [b for b in found if b.get("run_type") != "aggregate"]
+    results = [bench_report.result_of(unit.program, b) for b in found]
+    timed = sum(r["seconds"] * b["iterations"] for r, b in zip(results, found))
+    return results, timed, usage.ru_maxrss * 1024
 
 
 def salvage(text):
@@ -127,36 +241,47 @@ def salvage(text):
     return entries
 
 
-def run_tool(build, faces, repeats):
-    """`alcap field` from PLY to files, n = 4: seconds, CPU seconds and the largest resident set of each run."""
-    if faces * TOOL_BYTES > memory_available():
-        print(f"   tool at {faces:,}: not enough memory")
-        return []
-    level = bench_report.level_of(faces)
-    across = round((faces / 4) ** 0.5)
+def run_tool(build, unit, repetitions):
+    """`alcap field` from PLY to files, n = 4: the same as run_program."""
+    level = bench_report.level_of(unit.size)
+    across = round((unit.size / 4) ** 0.5)
     tool = build / "apps" / "alcap" / "alcap"
+    runs = []
     with tempfile.TemporaryDirectory() as folder:
         mesh = pathlib.Path(folder) / "mesh.ply"
         kind = f"torus:{2 * across},{across}" if level is None else f"scan:{level},0.1"
-        subprocess.run([tool, "make", kind, "-o", mesh, "--quiet"], check=True)
-        runs = []
-        for k in range(repeats):
+        if subprocess.run([tool, "make", kind, "-o", mesh, "--quiet"], check=False).returncode != 0:
+            print(f"   tool at {unit.size:,}: no mesh")
+            return [], 0.0, 0
+        for _ in range(repetitions):
             start = time.monotonic()
-            out = pathlib.Path(folder) / f"out{k}"
-            child = subprocess.Popen([tool, "field", mesh, "-n", "4", "--tolerance", "1e-6", "-o", out, "--quiet"],
-                                     stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            _, status, usage = os.wait4(child.pid, 0)
-            child.returncode = os.waitstatus_to_exitcode(status)
-            if child.returncode not in (0, 5):
-                print(f"   tool at {faces:,} ended with {child.returncode}")
-                return []
+            out = pathlib.Path(folder) / "out"
+            status, usage = wait_for(subprocess.Popen(
+                [tool, "field", mesh, "-n", "4", "--tolerance", "1e-6", "-o", out, "--quiet", "--threads",
+                 str(unit.threads[-1])], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+            seconds = time.monotonic() - start
+            if status not in (0, 5):
+                print(f"   tool at {unit.size:,} ended with {status}")
+                break
+            report = json.loads((out / "report.json").read_text())
             runs.append({
-                "program": "tool", "phase": "tool", "family": "scan" if level is not None else "torus", "size": faces,
-                "n": 4, "threads": os.cpu_count(), "seconds": time.monotonic() - start,
-                "cpu_seconds": usage.ru_utime + usage.ru_stime, "peak_bytes": usage.ru_maxrss * 1024,
-                "faces": json.loads((out / "report.json").read_text())["mesh"]["faces"],
+                "program": "tool", "phase": "tool", "family": "scan" if level is not None else "torus", "size": unit.size,
+                "n": 4, "threads": unit.threads[-1], "seconds": seconds, "cpu_seconds": usage.ru_utime + usage.ru_stime,
+                "peak_bytes": usage.ru_maxrss * 1024, "faces": report["mesh"]["faces"],
+                **{f"{phase} s": took for phase, took in report["times"].items() if phase != "total"},
             })
-    return runs
+            shutil.rmtree(out)  # 13 GB at 21 million triangles
+    return runs, sum(r["seconds"] for r in runs), max((r["peak_bytes"] for r in runs), default=0)
+
+
+def lacking(unit, costs):
+    """Why this machine cannot run it, or None."""
+    needed = costs.bytes(unit)
+    if needed > memory_available():
+        return f"{needed / 1e9:.1f} GB of memory"
+    if unit.program == "tool" and unit.size * DISK_BYTES > shutil.disk_usage(tempfile.gettempdir()).free:
+        return f"{unit.size * DISK_BYTES / 1e9:.1f} GB in {tempfile.gettempdir()}"
+    return None
 
 
 def main():
@@ -164,57 +289,67 @@ def main():
     parser.add_argument("--build", type=pathlib.Path, required=True)
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--mode", choices=["quick", "full"], default="quick")
+    parser.add_argument("--minutes", type=float)
     parser.add_argument("--sizes")
     parser.add_argument("--threads")
     arguments = parser.parse_args()
     quick = arguments.mode == "quick"
+    limit = 60 * (arguments.minutes or MINUTES[arguments.mode]) - LAST_SECONDS
     cores = os.cpu_count() or 1
     numbers = lambda text: sorted({int(v) for v in text.split(",")})
     sizes = [50000, 327680, 1310720] if quick else [20480, 50000, 81920, 327680, 1310720, 5242880, 20971520]
     if arguments.sizes:
         sizes = numbers(arguments.sizes)
     threads = numbers(arguments.threads) if arguments.threads else sorted({1, min(2, cores), cores})
-    families = ["jittered"] if quick else ["jittered", "torus", "scan", "cad", "icosphere"]
     if quick:
         units = quick_units(sizes, [threads[-1]], sorted({threads[0], threads[-1]}))
     else:
         units = full_units(sizes, threads)
 
     started = time.monotonic()
-    results, left_out, took = [], [], {}
-    for name, size, unit_threads, flags, repetitions in units:
-        what = (name, len(unit_threads), *flags)
-        before = took.get(what, {})
-        # From the nearest size that has run, the same one if it has.
-        nearest = min(before, key=lambda ran: abs(ran - size), default=None)
-        predicted = (MARGIN * before[nearest] * size / nearest * repetitions if before
-                     else GUESS[name] * size / 50000 if quick else 0.0)
-        elapsed = time.monotonic() - started
-        if elapsed + predicted > LIMIT[arguments.mode]:
-            left_out.append({"program": name, "size": size, "filter": " ".join(flags), "predicted_seconds": predicted})
-            print(f"   {name} at {size:,}: left out, it would take about {predicted:.0f} s")
-            continue
-        print(f"== {name} {size:,} ({elapsed:.0f} s)", flush=True)
-        if name == "tool":
-            found = run_tool(arguments.build, size, repetitions)
-        else:
-            extra = [f"--benchmark_repetitions={repetitions}", f"--benchmark_min_time={'0.01' if quick else '0.1'}"]
-            found = run_program(arguments.build, name, size, unit_threads, families, extra + flags)
-        results += found
-        took.setdefault(what, {})[size] = (time.monotonic() - started - elapsed) / repetitions
+    results, left_out, costs = [], [], Costs()
 
-    report = {
-        "machine": {"cores": cores, "processor": bench_report.processor(), "system": platform.platform()},
-        "mode": arguments.mode,
-        "load_at_end": os.getloadavg()[0],
-        "seconds": time.monotonic() - started,
-        "left_out": left_out,
-        "results": bench_report.medians(results),
-    }
-    (arguments.out / "bench.json").write_text(json.dumps(report, indent=1) + "\n")
-    bench_report.write_all(report, arguments.out)
+    def report():
+        return {
+            "machine": {"cores": cores, "processor": bench_report.processor(), "system": platform.platform()},
+            "mode": arguments.mode,
+            "load_at_end": os.getloadavg()[0],
+            "seconds": time.monotonic() - started,
+            "left_out": left_out,
+            "results": bench_report.medians(results),
+        }
+
+    def write(finished):
+        (arguments.out / "bench.json").write_text(json.dumps(finished, indent=1) + "\n")
+
+    for unit in units:
+        elapsed = time.monotonic() - started
+        what = f"{' '.join([unit.program, *unit.families])} {unit.size:,}"
+        # As many repetitions as fit.
+        repetitions = next((r for r in range(unit.repetitions, 0, -1) if elapsed + costs.seconds(unit, r) <= limit), 0)
+        predicted = costs.seconds(unit, max(repetitions, 1))
+        lacks = lacking(unit, costs) or (None if repetitions else f"about {predicted:.0f} s")
+        if lacks:
+            left_out.append({"program": unit.program, "size": unit.size, "filter": " ".join(unit.families + unit.flags),
+                             "predicted_seconds": predicted, "lacks": lacks})
+            print(f"   {what}: left out, it would take {lacks}")
+            continue
+        fewer = f", {repetitions} of {unit.repetitions} repetitions" if repetitions < unit.repetitions else ""
+        print(f"== {what}{fewer} ({elapsed:.0f} s)", flush=True)
+        if unit.program == "tool":
+            found, timed, peak = run_tool(arguments.build, unit, repetitions)
+        else:
+            found, timed, peak = run_program(arguments.build, unit, repetitions, 0.01 if quick else 0.1)
+        results += found
+        if found:
+            costs.add(unit, repetitions, max(0.0, time.monotonic() - started - elapsed - timed), timed, peak)
+        write(report())
+
+    finished = report()
+    write(finished)
+    bench_report.write_all(finished, arguments.out)
     print((arguments.out / "targets.md").read_text())
-    print(f"Everything is in {arguments.out} ({report['seconds']:.0f} s)")
+    print(f"Everything is in {arguments.out} ({finished['seconds']:.0f} s)")
 
 
 if __name__ == "__main__":
