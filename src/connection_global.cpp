@@ -4,77 +4,33 @@
 //
 // Iterative refinement: the gradient is taken in double, the correction it asks for is solved by conjugate gradients in
 // float (src/correction_system.h), which halves the memory traffic that bounds them; where float makes no headway
-// (extreme slivers) the next correction is solved in double.
+// (extreme slivers) the next correction is solved in double. The gradient is what src/face_states.h says of faces.
 #include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "alcap/connection.h"
 #include "alcap/parallel.h"
 #include "kernels/connection_energy.h"
-#include "kernels/face_relaxation.h"
 #include "src/correction_system.h"
 #include "src/face_pairs.h"
+#include "src/face_states.h"
 #include "src/grounded_laplacian.h"
 #include "src/large_array.h"
 
 namespace alcap {
 namespace {
 
+using detail::EdgeValues;
+using detail::FaceStates;
+using detail::HalfedgeWeights;
+using detail::Values;
+using detail::ValuesOut;
+
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
-
-// tan of the angle opposite a halfedge, capped, times the length factor: the weights of D_E. Computed where they are
-// needed, which costs less than to store and read them.
-template <class T>
-class HalfedgeWeights {
- public:
-  HalfedgeWeights(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options)
-      : mesh_(mesh), geometry_(geometry), cap_(static_cast<T>(options.tan_cap)), factor_(options.length_factor) {
-    if (factor_ != LengthFactor::mean_edge) return;
-    Topology topology = find_topology(mesh);
-    if (topology.components.size() == 1) {
-      const double sum = parallel_sum<double>(
-          mesh.edges(), [&](std::int64_t e) { return double(geometry.length(static_cast<Index>(e))); });
-      per_length_ = {static_cast<T>(mesh.edges() / sum)};
-      return;
-    }
-    std::vector<double> sum(topology.components.size());
-    for (Index e = 0; e < mesh.edges(); ++e)
-      sum[static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(Mesh::face(mesh.halfedge(e)))])] +=
-          double(geometry.length(e));
-    for (std::size_t c = 0; c < sum.size(); ++c)
-      per_length_.push_back(static_cast<T>(topology.components[c].edges / sum[c]));
-    face_component_ = std::move(topology.face_component);
-  }
-
-  T operator()(Index h) const { return kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_) * length_factor(h); }
-
-  // p of a face's halfedges, from its cotangents and their length factors (times detail, 0 on the boundary).
-  template <class Lanes>
-  void from_factors(const Lanes (&cot)[3], const Lanes (&factor)[3], Lanes (&p)[3]) const {
-    for (int k = 0; k < 3; ++k) p[k] = kernels::capped_tangent(cot[(k + 2) % 3], Lanes(double(cap_))) * factor[k];
-  }
-
-  T length_factor(Index h) const {
-    if (factor_ == LengthFactor::per_edge) return T(1);
-    const T length = geometry_.length(mesh_.edge(h));
-    if (factor_ == LengthFactor::metric) return length;
-    const Index c = face_component_.empty() ? 0 : face_component_[static_cast<std::size_t>(Mesh::face(h))];
-    return length * per_length_[static_cast<std::size_t>(c)];
-  }
-
- private:
-  const Mesh& mesh_;
-  const Geometry<T>& geometry_;
-  T cap_;
-  LengthFactor factor_;
-  std::vector<T> per_length_;          // 1 over the mean edge length, per component
-  std::vector<Index> face_component_;  // empty where there is only one
-};
 
 void validate(const GlobalOptions& o) {
   const auto refuse = [](const char* field, double value, const char* rule) {
@@ -95,131 +51,6 @@ std::pair<T, T> edge_correction(const Mesh& mesh, const HalfedgeWeights<T>& weig
   const T here = weights(h), there = weights(g), sum = here + there;
   return {(here * r.start[h] + there * r.end[g]) / sum, (here * r.end[h] + there * r.start[g]) / sum};
 }
-
-// Three numbers per edge, or per row of the exchange between faces and edges, wherever they lie.
-using EdgeValues = Eigen::Matrix<double, 3, Eigen::Dynamic>;
-using Values = Eigen::Ref<const EdgeValues>;
-using ValuesOut = Eigen::Map<EdgeValues>;
-
-// The lifted state, as the optimisation sees it; at rest, all of it is zero.
-template <class T>
-struct FaceStates {
-  using Lanes = detail::DoubleLanes;
-  static constexpr int N = Lanes::size;
-
-  const Mesh& mesh;
-  const Geometry<T>& geometry;
-  const HalfedgeWeights<T>& weights;
-  double detail;
-  const VectorX<T>& tau;
-  const detail::LiftedResiduals<T>& r;
-  bool at_rest = false;
-
-  // The coefficients of the faces of some halfedges, from there on. Boundaries have p = 0: rho_{v->e} is free there and
-  // follows its face.
-  void coefficients(const Index (&first)[N], kernels::FaceCoefficients<Lanes>& c) const {
-    double cots[3][N], factors[3][N];
-    for (int l = 0; l < N; ++l) {
-      Index h = first[l];
-      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
-        cots[k][l] = double(geometry.cot(h));
-        factors[k][l] = mesh.boundary_halfedge(h) ? 0 : detail * double(weights.length_factor(h));
-      }
-    }
-    Lanes cot[3], factor[3], p[3];
-    for (int k = 0; k < 3; ++k) {
-      cot[k] = Lanes::load(cots[k]);
-      factor[k] = Lanes::load(factors[k]);
-    }
-    weights.from_factors(cot, factor, p);
-    kernels::face_coefficients(cot, p, c);
-  }
-
-  // What they see with edges turned by u.
-  void look(const Index (&first)[N], const Values& u, Lanes (&v)[3][3]) const {
-    double in[3][3][N];
-    for (int l = 0; l < N; ++l) {
-      Index h = first[l];
-      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
-        const Index e = mesh.edge(h);
-        const double sign = mesh.canonical(h) ? 1.0 : -1.0;
-        const double start = at_rest ? 0 : double(r.start[h]), end = at_rest ? 0 : double(r.end[h]);
-        in[0][k][l] = (start + end) / 2 - u(0, e);
-        in[1][k][l] = end - start - sign * u(1, e);
-        in[2][k][l] = (at_rest ? 0 : double(tau[h])) + sign * u(2, e);
-      }
-    }
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) v[i][k] = Lanes::load(in[i][k]);
-  }
-
-  // Halfedge h's column k of v, to its edge.
-  template <class System>
-  void pull_at(const System& system, Index h, int k, int lane, const Lanes (&v)[3][3], ValuesOut& parts) const {
-    const std::int64_t row = system.row(h);
-    for (int i = 0; i < 3; ++i) parts(i, row) = v[i][k].v[lane];
-  }
-
-  // With the edges turned by u: parts = the pull of each face on its outer edges, x = what its relaxed corners move by.
-  // Edges between paired faces are turned to their optimum.
-  template <class System>
-  void pull(const System& system, const detail::FacePairs& faces, ValuesOut& u, ValuesOut& parts, double* x) const {
-    parallel_for((std::int64_t{faces.singles} + N - 1) / N,
-                 [&](std::int64_t group) { pull_singles(system, faces, group * N, u, parts, x); });
-    parallel_for((std::int64_t{faces.pairs} + N - 1) / N,
-                 [&](std::int64_t group) { pull_pairs(system, faces, group * N, u, parts, x); });
-  }
-
-  // Beyond the last one, lanes repeat it.
-  template <class System>
-  void pull_singles(const System& system, const detail::FacePairs& faces, std::int64_t begin, const Values& u,
-                    ValuesOut& parts, double* x) const {
-    Index first[N];
-    Lanes v[3][3], moved[3];
-    for (int l = 0; l < N; ++l) first[l] = 3 * faces.single[at(std::min<std::int64_t>(begin + l, faces.singles - 1))];
-    kernels::FaceCoefficients<Lanes> c;
-    coefficients(first, c);
-    look(first, u, v);
-    kernels::relax(c, v, moved);
-    for (int l = 0; l < N && begin + l < faces.singles; ++l)
-      for (int k = 0; k < 3; ++k) {
-        pull_at(system, first[l] + k, k, l, v, parts);
-        x[first[l] + k] = moved[k].v[l];
-      }
-  }
-
-  template <class System>
-  void pull_pairs(const System& system, const detail::FacePairs& faces, std::int64_t begin, ValuesOut& u,
-                  ValuesOut& parts, double* x) const {
-    Index first[2][N];
-    Lanes v[2][3][3], moved[2][3], inverse[6], turned[3];
-    kernels::FaceCoefficients<Lanes> c[2];
-    for (int l = 0; l < N; ++l) {
-      const std::int64_t pair = std::min<std::int64_t>(begin + l, faces.pairs - 1);
-      first[0][l] = mesh.halfedge(faces.between[at(pair)]);
-      first[1][l] = mesh.twin(first[0][l]);
-    }
-    for (int side = 0; side < 2; ++side) {
-      coefficients(first[side], c[side]);
-      look(first[side], u, v[side]);
-    }
-    kernels::invert_between(c[0], c[1], inverse);
-    kernels::relax_pair(c[0], c[1], inverse, v[0], v[1], moved[0], moved[1], turned);
-    for (int l = 0; l < N && begin + l < faces.pairs; ++l) {
-      const Index e = faces.between[at(begin + l)];
-      u(0, e) -= turned[0].v[l];
-      u(1, e) -= turned[1].v[l];
-      u(2, e) += turned[2].v[l];
-      for (int side = 0; side < 2; ++side) {
-        Index h = first[side][l];
-        for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
-          if (k > 0) pull_at(system, h, k, l, v[side], parts);
-          x[h] = moved[side][k].v[l];
-        }
-      }
-    }
-  }
-};
 
 // The faces' pull on outer edge i, the right-hand side of the correction, from the parts of its two faces.
 std::array<double, 3> pull_on(const Values& parts, std::int64_t i, bool open) {

@@ -38,7 +38,7 @@ set(also
   "^src/homology = topology"
   "^src/branches = field"
   "^src/component_blocks = design"
-  "^src/(triangle_frame|correction_system|face_pairs|grounded_laplacian|large_array) = connection"
+  "^src/(triangle_frame|correction_system|face_pairs|face_states|grounded_laplacian|large_array) = connection"
   "^src/simd/ = energies"
   "^src/simd/correction = connection"
   "^include/alcap/detail/triangle_entries = energies"
