@@ -4,10 +4,10 @@
 // S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; on the finest a few
 // steps with the problem's own matrices (lobpcg_finest.h), then one vector in double (lobpcg_refine.h). The other
 // vectors of the block stay in its basis, so that clusters of eigenvalues (round spheres have 2n + 1 equal ones) do not
-// slow it down.
+// slow it down; where members of a cluster lie too close for single precision they are refined too (lobpcg_cluster.h).
 //
 // Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
-// and three double ones, whatever is more.
+// and three double ones and the members of a cluster, whatever is more.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -16,8 +16,8 @@
 
 #include "alcap/detail/random.h"
 #include "solvers/backends.h"
+#include "solvers/lobpcg_cluster.h"
 #include "solvers/lobpcg_finest.h"
-#include "solvers/lobpcg_refine.h"
 
 namespace alcap::detail {
 namespace {
@@ -261,7 +261,7 @@ class Cascade {
                                    .max_iterations = std::min(refine_limit, options_.max_iterations - steps),
                                    .cancel = options_.cancel};
     const VectorX<double> theta = block.values();
-    Refined result = refine<K>({pencil_, hierarchy_, masses_[0]}, block.take(), theta, refinement);
+    Refined result = refine_first<K>({pencil_, hierarchy_, masses_[0]}, block.take(), theta, refinement);
     result.iterations += steps;
     return result;
   }

@@ -25,7 +25,7 @@ constexpr int at_x = 0, at_w = 1, at_p = 2, at_y = 3;
 template <int K>
 class Refinement {
  public:
-  Refinement(const RefineProblem& problem, const Buffer<float>& Y, const VectorX<double>& theta,
+  Refinement(const RefineProblem& problem, ComplexVector x, const Buffer<float>& Y, const VectorX<double>& theta,
              const RefineOptions& options)
       : pencil_(problem.pencil),
         hierarchy_(problem.hierarchy),
@@ -34,7 +34,7 @@ class Refinement {
         options_(options),
         rows_(pencil_.rows()),
         Y_(Y),
-        x_(rows_),
+        x_(std::move(x)),
         w_(rows_),
         p_(rows_),
         workspace_(hierarchy_.workspace<1>()),
@@ -42,11 +42,7 @@ class Refinement {
         M_(Dense::Zero(size, size)),
         lambda_(theta[0]),
         next_(theta[1]) {
-    parallel_for(rows_, [&](std::int64_t i) {
-      const float* const y = Y_.data() + 2 * K * i;
-      x_[i] = {double{y[0]}, double{y[K]}};
-      p_[i] = 0;
-    });
+    parallel_for(rows_, [&](std::int64_t i) { p_[i] = 0; });
     for (int k = 1; k < K; ++k) {
       S_(at_y + k - 1, at_y + k - 1) = theta[k];
       M_(at_y + k - 1, at_y + k - 1) = 1;
@@ -58,45 +54,48 @@ class Refinement {
     double best = 1e300;
     double before = 1e300;
     int since_best = 0;
-    int changes = 0;
-    for (;;) {
+    with_mates_ = !options_.member;
+    for (;; ++result.iterations) {
       check_cancelled(options_.cancel);
       residual();
-      result.residual = residual_;
-      if (residual_ <= options_.tolerance) {
+      choose_neighbours();
+      const double outside = without_neighbours();
+      if (residual_ <= options_.tolerance || (options_.member && outside <= options_.outside)) {
         result.end = Refined::End::converged;
         break;
       }
       result.end = lambda_ < -options_.negative ? Refined::End::indefinite : Refined::End::limit;
       if (result.end == Refined::End::indefinite || result.iterations >= options_.max_iterations) break;
       result.end = Refined::End::stalled;
-      if (residual_ < 0.7 * best) {
-        best = residual_;
+      // What is left is a mixture of mates, which more iterations will not part.
+      if (outside < 0.1 * residual_ && residual_ < large) break;
+      const double progress = options_.member ? outside : residual_;
+      if (progress < 0.7 * best) {
+        best = progress;
         since_best = 0;
-      } else if (++since_best >= (mates() ? patience : longest)) {
-        if (!mates() || changes++ == most_changes) break;
-        with_mates_ = !with_mates_;
+      } else if (++since_best >= (alone() ? longest : patience)) {
+        if (!with_mates_ || alone()) break;
+        with_mates_ = false;
         best = 1e300;
         since_best = 0;
         forget_p();
+        choose_neighbours();
+        without_neighbours();
       }
-      choose_neighbours();
       // x turns towards another member of its cluster, along p: a step without p does not.
       if (residual_ > 1.5 * before) forget_p();
       before = residual_;
       if (!step()) break;
-      ++result.iterations;
     }
+    result.residual = residual_;
+    result.lambda = lambda_;
+    result.length = std::sqrt(M_(at_x, at_x).real());
     result.next = next_;
     result.u = std::move(x_);
     return result;
   }
 
  private:
-  /// Neighbours this close to x are its mates in a cluster, their eigenvalues are not known better. They take their
-  /// parts out of x, but as approximate as they are they may bring in as much as the cycles remove. So where x makes no
-  /// progress with them they are let go, and where it makes none without them they come back.
-  static constexpr double mates_apart = 3e-5;
   /// Eigenvalues of single precision vectors are not told apart below this: an error of 6e-8 in high frequencies,
   /// squared, times their height.
   static constexpr double rounding = 3e-7;
@@ -105,7 +104,6 @@ class Refinement {
   /// No progress: no gain of 30 % in so many iterations. Where there are no mates, nothing but patience helps: the
   /// worst triangles of a large scan take some iterations each, in which the residual hardly falls.
   static constexpr int patience = 2, longest = 40;
-  static constexpr int most_changes = 10;
   static constexpr Eigen::Index size = K + 2;
 
   /// The residual, its norm, lambda, and the products of x with itself, p and its neighbours.
@@ -133,7 +131,8 @@ class Refinement {
           add_neighbours(first, count, Sx, Mx, sum.data() + 8);
         });
     if (!(sums[3] > 0)) throw SolveError("the mass matrix is not positive definite");
-    residual_ = std::sqrt(sums[0] / sums[1]) / std::max(lambda_, options_.floor);
+    residual_unit_ = std::sqrt(sums[1]) * std::max(lambda_, options_.floor);
+    residual_ = std::sqrt(sums[0]) / residual_unit_;
     lambda_ = sums[2] / sums[3];
     S_(at_x, at_x) = sums[2];
     M_(at_x, at_x) = sums[3];
@@ -163,18 +162,19 @@ class Refinement {
     return S_(k, k).real() > (lambda_ + part * std::max(lambda_, options_.floor)) * M_(k, k).real();
   }
 
-  /// Whether x has mates that may come and go.
-  [[nodiscard]] bool mates() const {
+  /// Whether x has no mates.
+  [[nodiscard]] bool alone() const {
     for (int k = at_y; k < size; ++k)
-      if (apart(k, rounding) && !apart(k, mates_apart)) return true;
-    return false;
+      if (!apart(k, mates_apart)) return false;
+    return true;
   }
 
   /// x, w, p and the neighbours, with or without the mates of x.
   void choose_neighbours() {
     basis_ = {at_x, at_w, at_p};
     for (int k = at_y; k < size; ++k)
-      if (residual_ > large || apart(k, with_mates_ ? rounding : mates_apart)) basis_.push_back(k);
+      if ((residual_ > large && !options_.member) || apart(k, with_mates_ ? rounding : mates_apart))
+        basis_.push_back(k);
   }
 
   [[nodiscard]] bool used(int k) const { return std::find(basis_.begin(), basis_.end(), k) != basis_.end(); }
@@ -187,10 +187,10 @@ class Refinement {
     }
   }
 
-  /// Takes the parts along neighbours that were let go out of the residual. The cycle would answer to these with the
-  /// neighbours as coarse levels know them, and basis() would leave what is wrong with them in w: x could come to rest
-  /// where that cancels the answer to all else. The lumped mass is good enough.
-  void without_mates() {
+  /// Takes the parts along neighbours that were let go out of the residual; returns what is left, as residual_. The
+  /// cycle would answer to these with the neighbours as coarse levels know them, and basis() would leave what is wrong
+  /// with them in w: x could come to rest where that cancels the answer to all else. The lumped mass is good enough.
+  double without_neighbours() {
     float re[K] = {}, im[K] = {};
     bool any = false;
     for (int k = 1; k < K; ++k) {
@@ -201,9 +201,9 @@ class Refinement {
       im[k] = static_cast<float>(part.imag());
       any = true;
     }
-    if (!any) return;
+    if (!any) return residual_;
     float* const b = workspace_.b[0].data();
-    parallel_for(rows_, [&](std::int64_t i) {
+    const double square = parallel_sum<double>(rows_, [&](std::int64_t i) {
       const float* const y = Y_.data() + 2 * K * i;
       float r = 0;
       float s = 0;
@@ -214,13 +214,14 @@ class Refinement {
       const float m = near_[i] * mass_[i];
       b[2 * i] -= m * r;
       b[2 * i + 1] -= m * s;
+      return double{near_[i]} * near_[i] * (double{b[2 * i]} * b[2 * i] + double{b[2 * i + 1]} * b[2 * i + 1]);
     });
+    return std::sqrt(square) / residual_unit_;
   }
 
   /// w is the cycle's answer without its part along x, which the cycle blows up when S is nearly singular: what is left
   /// would drown in it. The lumped mass is good enough for that.
   void direction() {
-    without_mates();
     hierarchy_.cycle<1>(workspace_);
     const float* const z = workspace_.x[0].data();
     using Sums = std::array<double, 3>;
@@ -376,17 +377,21 @@ class Refinement {
   double lambda_ = 0;
   double next_ = 0;
   double residual_ = 1;
+  double residual_unit_ = 1;
 };
 
 }  // namespace
 
 template <int K>
-Refined refine(const RefineProblem& problem, const Buffer<float>& Y, const VectorX<double>& theta,
+Refined refine(const RefineProblem& problem, ComplexVector x, const Buffer<float>& Y, const VectorX<double>& theta,
                const RefineOptions& options) {
-  return Refinement<K>(problem, Y, theta, options).run();
+  return Refinement<K>(problem, std::move(x), Y, theta, options).run();
 }
-template Refined refine<4>(const RefineProblem&, const Buffer<float>&, const VectorX<double>&, const RefineOptions&);
-template Refined refine<8>(const RefineProblem&, const Buffer<float>&, const VectorX<double>&, const RefineOptions&);
-template Refined refine<16>(const RefineProblem&, const Buffer<float>&, const VectorX<double>&, const RefineOptions&);
+template Refined refine<4>(const RefineProblem&, ComplexVector, const Buffer<float>&, const VectorX<double>&,
+                           const RefineOptions&);
+template Refined refine<8>(const RefineProblem&, ComplexVector, const Buffer<float>&, const VectorX<double>&,
+                           const RefineOptions&);
+template Refined refine<16>(const RefineProblem&, ComplexVector, const Buffer<float>&, const VectorX<double>&,
+                            const RefineOptions&);
 
 }  // namespace alcap::detail

@@ -17,12 +17,18 @@ struct RefineOptions {
   double floor = 0;         ///< of eigenvalues, in the pencil's scale
   double negative = 0;      ///< below minus this S counts as indefinite
   int max_iterations = 100;
+  /// One member of a cluster: its mates are never in the basis, and a residual of `outside` apart from its parts along
+  /// them is enough.
+  bool member = false;
+  double outside = 0;
   std::function<bool()> cancel = {};  ///< see EigenOptions
 };
 
 struct Refined {
   ComplexVector u;
-  double next = 0;  ///< second Ritz value, in the pencil's scale
+  double lambda = 0;  ///< in the pencil's scale
+  double length = 0;  ///< of u, by M
+  double next = 0;    ///< second Ritz value, in the pencil's scale
   int iterations = 0;
   double residual = 1;
   /// `narrow`: the block was smaller than the cluster, nothing was refined.
@@ -36,9 +42,15 @@ struct RefineProblem {
   const Buffer<float>& mass;
 };
 
-/// `Y` holds K Ritz vectors of M-length 1, the first of them the start, `theta` their Ritz values. K: 4, 8, 16.
+/// Neighbours of x whose eigenvalues lie no further above its own than this part of it are its mates in a cluster. As
+/// approximate as they are they take their parts out of x, but bring in as much as cycles remove: so where x makes no
+/// progress with them they are let go.
+inline constexpr double mates_apart = 3e-5;
+
+/// `x`: the start. `Y` holds K Ritz vectors of M-length 1, of which the first stands for x and is not used, `theta`
+/// their Ritz values. K: 4, 8, 16.
 template <int K>
-[[nodiscard]] Refined refine(const RefineProblem& problem, const Buffer<float>& Y, const VectorX<double>& theta,
-                             const RefineOptions& options);
+[[nodiscard]] Refined refine(const RefineProblem& problem, ComplexVector x, const Buffer<float>& Y,
+                             const VectorX<double>& theta, const RefineOptions& options);
 
 }  // namespace alcap::detail
