@@ -195,16 +195,18 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   const LargeArray<double> x(static_cast<std::size_t>(mesh.halfedges()));
   ValuesOut u(u_memory.data(), 3, mesh.edges());
   parallel_for(mesh.edges(), [&](std::int64_t e) { u.col(e).setZero(); });
+  const FacePairs faces = fix_rho ? single_faces(mesh) : pair_faces(mesh, geometry);
   {
-    const FacePairs faces = fix_rho ? single_faces(mesh) : pair_faces(mesh, geometry);
-    CorrectionSystem<float> system(mesh, faces, coefficients, fix_rho);
+    const LargeArray<double> parts_memory(6 * static_cast<std::size_t>(faces.outer));
+    ValuesOut parts(parts_memory.data(), 3, 2 * std::int64_t{faces.outer});
+    const Pull<T> pulls{states, faces, u, parts, x.data()};
+    // The first pull comes with the coefficients that both need.
+    CorrectionSystem<float> system(mesh, faces, coefficients, fix_rho, pulls);
     std::optional<CorrectionSystem<double>> full_system;  // only where float does not do
     std::optional<HeldRho> held;
     if (fix_rho) held.emplace(mesh, geometry);
 
     const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
-    const LargeArray<double> parts_memory(6 * static_cast<std::size_t>(faces.outer));
-    ValuesOut parts(parts_memory.data(), 3, 2 * std::int64_t{faces.outer});
     const auto rhs = [&](Index i) {
       std::array<double, 3> pull = pull_on(parts, i, mesh.boundary_halfedge(mesh.halfedge(faces.edge[at(i)])));
       if (fix_rho) pull[2] = 0;
@@ -213,13 +215,13 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     const auto improve = [&](const auto& solved) {
       parallel_for(faces.outer, [&](std::int64_t i) {
         const auto gain = solved.solution(static_cast<Index>(i));
-        for (Eigen::Index k = 0; k < 3; ++k) u(k, faces.edge[at(i)]) += double(gain[static_cast<std::size_t>(k)]);
+        for (Eigen::Index k = 0; k < 3; ++k) u(k, i) += double(gain[static_cast<std::size_t>(k)]);
       });
     };
     double first = 0, last = 0;
     c.report.iterations = 0;
     for (int round = 0;; ++round) {
-      states.pull(system, faces, u, parts, x.data());
+      if (round > 0) pulls.all(system);
       // Measured through the preconditioner; float is enough for a norm.
       const double square = system.start(rhs);
       const double norm = std::sqrt(std::max(0.0, square));
@@ -231,7 +233,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       if (c.report.residual <= tolerance || left <= 0) break;
       if (round > 0 && norm > useful_reduction * last) {
         if (full_system) break;  // full precision has reached its own rounding
-        full_system.emplace(mesh, faces, coefficients, fix_rho);
+        full_system.emplace(mesh, faces, coefficients, fix_rho, NoVisitor{});
       }
       last = norm;
       const double wanted = 0.5 * tolerance / c.report.residual;
@@ -248,7 +250,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
         const auto product = [&](EdgeValues& direction) {
           EdgeValues out(3, mesh.edges());
           ValuesOut turned(direction.data(), 3, mesh.edges());
-          rest.pull(system, faces, turned, parts, moved.data());
+          Pull<T>{rest, faces, turned, parts, moved.data()}.all(system);
           parallel_for(mesh.edges(), [&](std::int64_t e) {
             const auto pull = rhs(static_cast<Index>(e));
             out(0, e) = -pull[0];
@@ -294,8 +296,8 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       r.start[h + k] += static_cast<T>(here);
       r.end[h + k] += static_cast<T>(x[at(h + (k + 1) % 3)]);
       if (!fix_rho && mesh.canonical(h + k)) {
-        c.rho[e] += static_cast<T>(u(2, e) - turn[mesh.tail(h + k)] + turn[mesh.tip(h + k)]);
-        c.eps[e] += static_cast<T>(u(2, e));
+        c.rho[e] += static_cast<T>(u(2, faces.number[at(e)]) - turn[mesh.tail(h + k)] + turn[mesh.tip(h + k)]);
+        c.eps[e] += static_cast<T>(u(2, faces.number[at(e)]));
       }
     }
   });

@@ -61,14 +61,26 @@ inline void whiten_symmetric(const S (&a)[6], S (&u)[6]) {
 /// Lanes of double for what needs its precision.
 using DoubleLanes = kernels::Pack<double, 2, kernels::isa::Sse2>;
 
+/// For systems whose faces nobody else wants to know.
+struct NoVisitor {
+  template <class System, class Coefficients>
+  void single(const System&, std::int64_t, const Coefficients&) const {}
+  template <class System, class Coefficients, class Inverse>
+  void pair(const System&, std::int64_t, const Coefficients&, const Inverse&) const {}
+};
+
 template <class S>
 class CorrectionSystem {
  public:
+  using Lanes = DoubleLanes;
+  static constexpr int N = Lanes::size;
+
   /// coefficients(first, c) fills in those of the faces of halfedges first[0 ... N - 1], counted from these on, with p
-  /// zero on the boundary. With hold_rho, which needs single faces, R stays 0.
-  template <class Coefficients>
+  /// zero on the boundary. With hold_rho, which needs single faces, R stays 0. What was found of N single faces or
+  /// pairs goes to visitor.single(*this, i, c) or visitor.pair(*this, i, c, inverse), on several threads.
+  template <class Coefficients, class Visitor>
   CorrectionSystem(const Mesh& mesh, const FacePairs& faces, const Coefficients& coefficients, bool hold_rho,
-                   Isa isa = best_isa())
+                   const Visitor& visitor, Isa isa = best_isa())
       : mesh_(mesh),
         order_(faces),
         loops_(simd::correction_loops<S>(isa)),
@@ -100,9 +112,9 @@ class CorrectionSystem {
     each(single_blocks_, [&](std::int64_t b) {
       FaceBlock& f = singles_[at(b)];
       const int count = size_of(b, faces.singles);
-      for (int l = 0; l < B; l += DoubleLanes::size) {
-        Index first[DoubleLanes::size];
-        for (int i = 0; i < DoubleLanes::size; ++i) first[i] = 3 * faces.single[at(b * B + std::min(l + i, count - 1))];
+      for (int l = 0; l < B; l += N) {
+        Index first[N];
+        for (int i = 0; i < N; ++i) first[i] = 3 * faces.single[at(b * B + std::min(l + i, count - 1))];
         kernels::FaceCoefficients<DoubleLanes> c;
         coefficients(first, c);
         DoubleLanes own[3][6], pull[3][3];
@@ -110,21 +122,22 @@ class CorrectionSystem {
           kernels::unit_pulls(c, k, pull);
           kernels::own_block(c, k, pull, own[k]);
         }
-        for (int i = 0; i < DoubleLanes::size; ++i) {
+        for (int i = 0; i < N; ++i) {
           store(c, i, f.face, l + i, l + i < count);
           for (int k = 0; k < 3; ++k) {
             f.row[k][l + i] = static_cast<std::uint32_t>(l + i < count ? row(first[i] + k) : rows);
             if (l + i < count) leave(own[k], i, f.row[k][l + i]);
           }
         }
+        if (l < count) visitor.single(*this, b * B + l, c);
       }
     });
     each(pair_blocks_, [&](std::int64_t b) {
       PairBlock& f = pairs_[at(b)];
       const int count = size_of(b, faces.pairs);
-      for (int l = 0; l < B; l += DoubleLanes::size) {
-        Index first[2][DoubleLanes::size];
-        for (int i = 0; i < DoubleLanes::size; ++i) {
+      for (int l = 0; l < B; l += N) {
+        Index first[2][N];
+        for (int i = 0; i < N; ++i) {
           first[0][i] = mesh.halfedge(faces.between[at(b * B + std::min(l + i, count - 1))]);
           first[1][i] = mesh.twin(first[0][i]);
         }
@@ -134,7 +147,7 @@ class CorrectionSystem {
         kernels::invert_between(c[0], c[1], inverse);
         kernels::outer_blocks(c[0], inverse, false, outer[0]);
         kernels::outer_blocks(c[1], inverse, true, outer[1]);
-        for (int i = 0; i < DoubleLanes::size; ++i) {
+        for (int i = 0; i < N; ++i) {
           const bool used = l + i < count;
           for (int k = 0; k < 6; ++k) f.inverse[k][l + i] = used ? static_cast<S>(inverse[k][i]) : S(0);
           for (int side = 0; side < 2; ++side) {
@@ -147,6 +160,7 @@ class CorrectionSystem {
             }
           }
         }
+        if (l < count) visitor.pair(*this, b * B + l, c, inverse);
       }
     });
     each(edge_blocks_, [&](std::int64_t b) {
@@ -169,7 +183,14 @@ class CorrectionSystem {
   /// more for the second face.
   [[nodiscard]] std::int64_t row(Index h) const {
     const Index e = mesh_.edge(h);
-    return 2 * std::int64_t{order_.outer_of[at(e)]} + (mesh_.halfedge(e) == h ? 0 : 1);
+    return 2 * std::int64_t{order_.number[at(e)]} + (mesh_.halfedge(e) == h ? 0 : 1);
+  }
+
+  /// The same of halfedge k of single face i, and of halfedge k = 1 or 2 of a face of pair i, counted from the one
+  /// between the two.
+  [[nodiscard]] std::int64_t single_row(std::int64_t i, int k) const { return singles_[at(i / B)].row[k][i % B]; }
+  [[nodiscard]] std::int64_t pair_row(std::int64_t i, int side, int k) const {
+    return pairs_[at(i / B)].row[side][k - 1][i % B];
   }
 
   /// Sets the right-hand side, rhs(i) = {m, d, R} of outer edge i, and x = 0; returns r' P r with the preconditioner P,

@@ -102,12 +102,13 @@ FacePairs pair_faces(const Mesh& mesh, const Geometry<T>& geometry) {
   }
   const auto between = [&](Index e) { return shared[at(Mesh::face(mesh.halfedge(e)))] == mesh.halfedge(e); };
   FacePairs p;
-  p.outer_of = LargeArray<Index>(at(mesh.edges()));
+  p.number = LargeArray<Index>(at(mesh.edges()));
   p.between = select(mesh.edges(), between, p.pairs, nullptr);
   p.single = select(
       mesh.faces(), [&](Index t) { return shared[at(t)] < 0; }, p.singles, nullptr);
   p.edge = select(
-      mesh.edges(), [&](Index e) { return !between(e); }, p.outer, p.outer_of.data());
+      mesh.edges(), [&](Index e) { return !between(e); }, p.outer, p.number.data());
+  parallel_for(p.pairs, [&](std::int64_t i) { p.number[at(p.between[at(i)])] = p.outer + static_cast<Index>(i); });
   return p;
 }
 
@@ -117,9 +118,9 @@ FacePairs single_faces(const Mesh& mesh) {
   p.outer = mesh.edges();
   p.single = LargeArray<Index>(at(mesh.faces()));
   p.edge = LargeArray<Index>(at(mesh.edges()));
-  p.outer_of = LargeArray<Index>(at(mesh.edges()));
+  p.number = LargeArray<Index>(at(mesh.edges()));
   parallel_for(mesh.faces(), [&](std::int64_t t) { p.single[at(t)] = static_cast<Index>(t); });
-  parallel_for(mesh.edges(), [&](std::int64_t e) { p.edge[at(e)] = p.outer_of[at(e)] = static_cast<Index>(e); });
+  parallel_for(mesh.edges(), [&](std::int64_t e) { p.edge[at(e)] = p.number[at(e)] = static_cast<Index>(e); });
   return p;
 }
 

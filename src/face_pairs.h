@@ -14,10 +14,10 @@ namespace alcap::detail {
 
 struct FacePairs {
   Index pairs = 0, singles = 0, outer = 0;
-  LargeArray<Index> between{0};   ///< #pairs: the edge between the two faces; its canonical halfedge lies in the first
-  LargeArray<Index> single{0};    ///< #singles: a face
-  LargeArray<Index> edge{0};      ///< #outer: the edge that has this number among the outer ones, ascending
-  LargeArray<Index> outer_of{0};  ///< #E: its number, or none between the faces of a pair
+  LargeArray<Index> between{0};  ///< #pairs: the edge between the two faces; its canonical halfedge lies in the first
+  LargeArray<Index> single{0};   ///< #singles: a face
+  LargeArray<Index> edge{0};     ///< #outer: the edge that has this number among the outer ones, ascending
+  LargeArray<Index> number{0};   ///< #E: its number among the outer ones, or `outer` plus the pair it lies in
 };
 
 /// Independent of threads. Some nine tenths of all faces are paired.

@@ -108,89 +108,132 @@ struct FaceStates {
     kernels::face_coefficients(cot, p, c);
   }
 
-  // What they see with edges turned by u.
-  void look(const Index (&first)[N], const Values& u, Lanes (&v)[3][3]) const {
-    double in[3][3][N];
-    for (int l = 0; l < N; ++l) {
-      Index h = first[l];
-      for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
-        const Index e = mesh.edge(h);
-        const double sign = mesh.canonical(h) ? 1.0 : -1.0;
-        const double start = at_rest ? 0 : double(r.start[h]), end = at_rest ? 0 : double(r.end[h]);
-        in[0][k][l] = (start + end) / 2 - u(0, e);
-        in[1][k][l] = end - start - sign * u(1, e);
-        in[2][k][l] = (at_rest ? 0 : double(tau[h])) + sign * u(2, e);
-      }
-    }
+  // What halfedge h sees into column k of lane l, with its edge turned by u, which it sees from the other side if
+  // `second`.
+  void look(Index h, const double* u, bool second, int k, int l, double (&in)[3][3][N]) const {
+    const double sign = second ? -1.0 : 1.0;
+    const double start = at_rest ? 0 : double(r.start[h]), end = at_rest ? 0 : double(r.end[h]);
+    in[0][k][l] = (start + end) / 2 - u[0];
+    in[1][k][l] = end - start - sign * u[1];
+    in[2][k][l] = (at_rest ? 0 : double(tau[h])) + sign * u[2];
+  }
+
+  static void load(const double (&in)[3][3][N], Lanes (&v)[3][3]) {
     for (int i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) v[i][k] = Lanes::load(in[i][k]);
   }
 
-  // Halfedge h's column k of v, to its edge.
-  template <class System>
-  void pull_at(const System& system, Index h, int k, int lane, const Lanes (&v)[3][3], ValuesOut& parts) const {
-    const std::int64_t row = system.row(h);
-    for (int i = 0; i < 3; ++i) parts(i, row) = v[i][k].v[lane];
+  // The first halfedges of single faces i, i + 1, ...; beyond the last one, lanes repeat it.
+  static void singles(const FacePairs& faces, std::int64_t i, Index (&first)[N]) {
+    for (int l = 0; l < N; ++l) first[l] = 3 * faces.single[at(std::min<std::int64_t>(i + l, faces.singles - 1))];
   }
 
-  // With the edges turned by u: parts = the pull of each face on its outer edges, x = what its relaxed corners move by.
-  // Edges between paired faces are turned to their optimum.
+  // Both sides of the edges between pairs i, i + 1, ...
+  void pairs(const FacePairs& faces, std::int64_t i, Index (&first)[2][N]) const {
+    for (int l = 0; l < N; ++l) {
+      first[0][l] = mesh.halfedge(faces.between[at(std::min<std::int64_t>(i + l, faces.pairs - 1))]);
+      first[1][l] = mesh.twin(first[0][l]);
+    }
+  }
+};
+
+// What faces do with the edges, by their number, turned by u: parts = the pull of each face on its outer edges, x =
+// what its relaxed corners move by. Edges between paired faces are turned to their optimum.
+template <class T>
+struct Pull {
+  using Lanes = DoubleLanes;
+  static constexpr int N = Lanes::size;
+  using Coefficients = kernels::FaceCoefficients<Lanes>;
+
+  const FaceStates<T>& states;
+  const FacePairs& faces;
+  ValuesOut& u;
+  ValuesOut& parts;
+  double* x;
+
+  static std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
+
   template <class System>
-  void pull(const System& system, const FacePairs& faces, ValuesOut& u, ValuesOut& parts, double* x) const {
-    parallel_for((std::int64_t{faces.singles} + N - 1) / N,
-                 [&](std::int64_t group) { pull_singles(system, faces, group * N, u, parts, x); });
-    parallel_for((std::int64_t{faces.pairs} + N - 1) / N,
-                 [&](std::int64_t group) { pull_pairs(system, faces, group * N, u, parts, x); });
+  void all(const System& system) const {
+    parallel_for((std::int64_t{faces.singles} + N - 1) / N, [&](std::int64_t group) {
+      Index first[N];
+      Coefficients c;
+      states.singles(faces, group * N, first);
+      states.coefficients(first, c);
+      single(system, group * N, c);
+    });
+    parallel_for((std::int64_t{faces.pairs} + N - 1) / N, [&](std::int64_t group) {
+      Index first[2][N];
+      Coefficients c[2];
+      Lanes inverse[6];
+      states.pairs(faces, group * N, first);
+      for (int side = 0; side < 2; ++side) states.coefficients(first[side], c[side]);
+      kernels::invert_between(c[0], c[1], inverse);
+      pair(system, group * N, c, inverse);
+    });
   }
 
-  // Beyond the last one, lanes repeat it.
+  // Single faces i, i + 1, ...
   template <class System>
-  void pull_singles(const System& system, const FacePairs& faces, std::int64_t begin, const Values& u, ValuesOut& parts,
-                    double* x) const {
+  void single(const System& system, std::int64_t i, const Coefficients& c) const {
+    const auto count = static_cast<int>(std::min<std::int64_t>(N, faces.singles - i));
     Index first[N];
-    Lanes v[3][3], moved[3];
-    for (int l = 0; l < N; ++l) first[l] = 3 * faces.single[at(std::min<std::int64_t>(begin + l, faces.singles - 1))];
-    kernels::FaceCoefficients<Lanes> c;
-    coefficients(first, c);
-    look(first, u, v);
-    kernels::relax(c, v, moved);
-    for (int l = 0; l < N && begin + l < faces.singles; ++l)
+    double in[3][3][N];
+    std::int64_t row[3][N];
+    states.singles(faces, i, first);
+    for (int l = 0; l < N; ++l)
       for (int k = 0; k < 3; ++k) {
-        pull_at(system, first[l] + k, k, l, v, parts);
+        row[k][l] = system.single_row(i + std::min(l, count - 1), k);
+        states.look(first[l] + k, &u(0, row[k][l] / 2), row[k][l] % 2 != 0, k, l, in);
+      }
+    Lanes v[3][3], moved[3];
+    states.load(in, v);
+    kernels::relax(c, v, moved);
+    for (int l = 0; l < count; ++l)
+      for (int k = 0; k < 3; ++k) {
+        answer(row[k][l], k, l, v);
         x[first[l] + k] = moved[k].v[l];
       }
   }
 
+  // Pairs i, i + 1, ...
   template <class System>
-  void pull_pairs(const System& system, const FacePairs& faces, std::int64_t begin, ValuesOut& u, ValuesOut& parts,
-                  double* x) const {
+  void pair(const System& system, std::int64_t i, const Coefficients (&c)[2], const Lanes (&inverse)[6]) const {
+    const auto count = static_cast<int>(std::min<std::int64_t>(N, faces.pairs - i));
     Index first[2][N];
-    Lanes v[2][3][3], moved[2][3], inverse[6], turned[3];
-    kernels::FaceCoefficients<Lanes> c[2];
-    for (int l = 0; l < N; ++l) {
-      const std::int64_t pair = std::min<std::int64_t>(begin + l, faces.pairs - 1);
-      first[0][l] = mesh.halfedge(faces.between[at(pair)]);
-      first[1][l] = mesh.twin(first[0][l]);
-    }
-    for (int side = 0; side < 2; ++side) {
-      coefficients(first[side], c[side]);
-      look(first[side], u, v[side]);
-    }
-    kernels::invert_between(c[0], c[1], inverse);
+    double in[2][3][3][N];
+    std::int64_t row[2][3][N];
+    states.pairs(faces, i, first);
+    for (int side = 0; side < 2; ++side)
+      for (int l = 0; l < N; ++l) {
+        const std::int64_t last = i + std::min(l, count - 1);
+        Index h = first[side][l];
+        row[side][0][l] = 2 * (faces.outer + last) + side;
+        for (int k = 1; k < 3; ++k) row[side][k][l] = system.pair_row(last, side, k);
+        for (int k = 0; k < 3; ++k, h = Mesh::next(h))
+          states.look(h, &u(0, row[side][k][l] / 2), row[side][k][l] % 2 != 0, k, l, in[side]);
+      }
+    Lanes v[2][3][3], moved[2][3], turned[3];
+    for (int side = 0; side < 2; ++side) states.load(in[side], v[side]);
     kernels::relax_pair(c[0], c[1], inverse, v[0], v[1], moved[0], moved[1], turned);
-    for (int l = 0; l < N && begin + l < faces.pairs; ++l) {
-      const Index e = faces.between[at(begin + l)];
-      u(0, e) -= turned[0].v[l];
-      u(1, e) -= turned[1].v[l];
-      u(2, e) += turned[2].v[l];
+    for (int l = 0; l < count; ++l) {
+      double* const between = &u(0, faces.outer + i + l);
+      between[0] -= turned[0].v[l];
+      between[1] -= turned[1].v[l];
+      between[2] += turned[2].v[l];
       for (int side = 0; side < 2; ++side) {
         Index h = first[side][l];
         for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
-          if (k > 0) pull_at(system, h, k, l, v[side], parts);
+          if (k > 0) answer(row[side][k][l], k, l, v[side]);
           x[h] = moved[side][k].v[l];
         }
       }
     }
+  }
+
+ private:
+  void answer(std::int64_t row, int k, int lane, const Lanes (&v)[3][3]) const {
+    for (int i = 0; i < 3; ++i) parts(i, row) = v[i][k].v[lane];
   }
 };
 

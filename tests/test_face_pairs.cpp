@@ -160,13 +160,13 @@ TEST_CASE("pairs: every face is in one or alone, and the other edges are the out
       ++seen[static_cast<std::size_t>(Mesh::face(h))];
       ++seen[static_cast<std::size_t>(Mesh::face(mesh.twin(h)))];
       ++edges[static_cast<std::size_t>(p.between[i])];
-      CHECK(p.outer_of[static_cast<std::size_t>(p.between[i])] == none);
+      CHECK(p.number[static_cast<std::size_t>(p.between[i])] == p.outer + static_cast<Index>(i));
       CHECK(one.between[i] == p.between[i]);
     }
     for (std::size_t i = 0; i < static_cast<std::size_t>(p.singles); ++i) ++seen[static_cast<std::size_t>(p.single[i])];
     for (std::size_t i = 0; i < static_cast<std::size_t>(p.outer); ++i) {
       ++edges[static_cast<std::size_t>(p.edge[i])];
-      CHECK(p.outer_of[static_cast<std::size_t>(p.edge[i])] == static_cast<Index>(i));
+      CHECK(p.number[static_cast<std::size_t>(p.edge[i])] == static_cast<Index>(i));
     }
     for (const int times : seen) CHECK(times == 1);
     for (const int times : edges) CHECK(times == 1);
@@ -199,7 +199,7 @@ TEST_CASE("all instruction sets give the same bits") {
   };
   std::vector<std::array<float, 3>> first;
   for (const detail::Isa isa : detail::available_isas()) {
-    detail::CorrectionSystem<float> system(mesh, faces, coefficients, false, isa);
+    detail::CorrectionSystem<float> system(mesh, faces, coefficients, false, detail::NoVisitor{}, isa);
     const double square = system.start([&](Index i) {
       return std::array<double, 3>{std::sin(1.0 * i), std::sin(2.0 * i), std::sin(3.0 * i)};
     });
