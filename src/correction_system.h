@@ -32,7 +32,6 @@
 
 #include "alcap/mesh.h"
 #include "alcap/parallel.h"
-#include "kernels/face_relaxation.h"
 #include "src/face_pairs.h"
 #include "src/large_array.h"
 #include "src/simd/correction_loops.h"
@@ -58,9 +57,6 @@ inline void whiten_symmetric(const S (&a)[6], S (&u)[6]) {
   u[5] = s2;
 }
 
-/// Lanes of double for what needs its precision.
-using DoubleLanes = kernels::Pack<double, 2, kernels::isa::Sse2>;
-
 /// For systems whose faces nobody else wants to know.
 struct NoVisitor {
   template <class System, class Coefficients>
@@ -72,8 +68,7 @@ struct NoVisitor {
 template <class S>
 class CorrectionSystem {
  public:
-  using Lanes = DoubleLanes;
-  static constexpr int N = Lanes::size;
+  static constexpr int N = simd::group_size;
 
   /// coefficients(first, c) fills in those of the faces of halfedges first[0 ... N - 1], counted from these on, with p
   /// zero on the boundary. With hold_rho, which needs single faces, R stays 0. What was found of N single faces or
@@ -94,6 +89,7 @@ class CorrectionSystem {
         exchange_(at(8 * (edge_blocks_ * B + 1))),
         partial_(at(chunks(single_blocks_, face_chunk) + chunks(pair_blocks_, face_chunk) +
                     chunks(edge_blocks_, edge_chunk))) {
+    const simd::GroupLoops groups = simd::group_loops(isa);
     const std::int64_t rows = 2 * edge_blocks_ * B;
     for (std::int64_t i = 0; i < 8; ++i) exchange_[at(4 * rows + i)] = 0;
     each(edge_blocks_, [&](std::int64_t b) {
@@ -115,13 +111,10 @@ class CorrectionSystem {
       for (int l = 0; l < B; l += N) {
         Index first[N];
         for (int i = 0; i < N; ++i) first[i] = 3 * faces.single[at(b * B + std::min(l + i, count - 1))];
-        kernels::FaceCoefficients<DoubleLanes> c;
+        simd::FaceGroup c;
         coefficients(first, c);
-        DoubleLanes own[3][6], pull[3][3];
-        for (int k = 0; k < 3; ++k) {
-          kernels::unit_pulls(c, k, pull);
-          kernels::own_block(c, k, pull, own[k]);
-        }
+        simd::GroupArray own[3][6];
+        groups.own_blocks(c, own);
         for (int i = 0; i < N; ++i) {
           store(c, i, f.face, l + i, l + i < count);
           for (int k = 0; k < 3; ++k) {
@@ -141,12 +134,11 @@ class CorrectionSystem {
           first[0][i] = mesh.halfedge(faces.between[at(b * B + std::min(l + i, count - 1))]);
           first[1][i] = mesh.twin(first[0][i]);
         }
-        kernels::FaceCoefficients<DoubleLanes> c[2];
+        simd::FaceGroup c[2];
         for (int side = 0; side < 2; ++side) coefficients(first[side], c[side]);
-        DoubleLanes inverse[6], outer[2][2][6];
-        kernels::invert_between(c[0], c[1], inverse);
-        kernels::outer_blocks(c[0], inverse, false, outer[0]);
-        kernels::outer_blocks(c[1], inverse, true, outer[1]);
+        simd::GroupArray inverse[6], outer[2][2][6];
+        groups.between(c, inverse);
+        groups.outer_blocks(c, inverse, outer);
         for (int i = 0; i < N; ++i) {
           const bool used = l + i < count;
           for (int k = 0; k < 6; ++k) f.inverse[k][l + i] = used ? static_cast<S>(inverse[k][i]) : S(0);
@@ -293,15 +285,14 @@ class CorrectionSystem {
     return sum;
   }
 
-  static void store(const kernels::FaceCoefficients<DoubleLanes>& c, int lane, simd::FaceArrays<S>& f, int l,
-                    bool used) {
+  static void store(const simd::FaceGroup& c, int lane, simd::FaceArrays<S>& f, int l, bool used) {
     for (int k = 0; k < 3; ++k) f.p[k][l] = used ? static_cast<S>(c.p[k][lane]) : S(0);
     for (int k = 0; k < 6; ++k) f.inverse[k][l] = used ? static_cast<S>(c.inverse[k][lane]) : S(0);
     f.stiffness[l] = used ? static_cast<S>(c.stiffness[lane]) : S(0);
   }
 
   // Leaves a face's own block at its edge, in the place of its side.
-  void leave(const DoubleLanes (&own)[6], int lane, std::uint32_t row) {
+  void leave(const simd::GroupArray (&own)[6], int lane, std::uint32_t row) {
     EdgeBlock& e = edges_[at(row / (2 * B))];
     const std::uint32_t l = row / 2 % B;
     for (int k = 0; k < 3; ++k) {

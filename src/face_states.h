@@ -12,7 +12,6 @@
 #include "alcap/connection.h"
 #include "alcap/parallel.h"
 #include "kernels/connection_energy.h"
-#include "kernels/face_relaxation.h"
 #include "src/correction_system.h"
 #include "src/face_pairs.h"
 
@@ -44,11 +43,7 @@ class HalfedgeWeights {
 
   T operator()(Index h) const { return kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_) * length_factor(h); }
 
-  // p of a face's halfedges, from its cotangents and their length factors (times detail, 0 on the boundary).
-  template <class Lanes>
-  void from_factors(const Lanes (&cot)[3], const Lanes (&factor)[3], Lanes (&p)[3]) const {
-    for (int k = 0; k < 3; ++k) p[k] = kernels::capped_tangent(cot[(k + 2) % 3], Lanes(double(cap_))) * factor[k];
-  }
+  T cap() const { return cap_; }
 
   T length_factor(Index h) const {
     if (factor_ == LengthFactor::per_edge) return T(1);
@@ -75,8 +70,7 @@ using ValuesOut = Eigen::Map<EdgeValues>;
 // The lifted state, as the optimisation sees it; at rest, all of it is zero.
 template <class T>
 struct FaceStates {
-  using Lanes = DoubleLanes;
-  static constexpr int N = Lanes::size;
+  static constexpr int N = simd::group_size;
 
   const Mesh& mesh;
   const Geometry<T>& geometry;
@@ -85,42 +79,32 @@ struct FaceStates {
   const VectorX<T>& tau;
   const LiftedResiduals<T>& r;
   bool at_rest = false;
+  simd::GroupLoops loops = simd::group_loops(best_isa());
 
   static std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
   // The coefficients of the faces of some halfedges, from there on. Boundaries have p = 0: rho_{v->e} is free there and
   // follows its face.
-  void coefficients(const Index (&first)[N], kernels::FaceCoefficients<Lanes>& c) const {
-    double cots[3][N], factors[3][N];
+  void coefficients(const Index (&first)[N], simd::FaceGroup& c) const {
+    simd::FaceShapes shapes;
     for (int l = 0; l < N; ++l) {
       Index h = first[l];
       for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
-        cots[k][l] = double(geometry.cot(h));
-        factors[k][l] = mesh.boundary_halfedge(h) ? 0 : detail * double(weights.length_factor(h));
+        shapes.cot[k][l] = double(geometry.cot(h));
+        shapes.factor[k][l] = mesh.boundary_halfedge(h) ? 0 : detail * double(weights.length_factor(h));
       }
     }
-    Lanes cot[3], factor[3], p[3];
-    for (int k = 0; k < 3; ++k) {
-      cot[k] = Lanes::load(cots[k]);
-      factor[k] = Lanes::load(factors[k]);
-    }
-    weights.from_factors(cot, factor, p);
-    kernels::face_coefficients(cot, p, c);
+    loops.coefficients(shapes, double(weights.cap()), c);
   }
 
   // What halfedge h sees into column k of lane l, with its edge turned by u, which it sees from the other side if
   // `second`.
-  void look(Index h, const double* u, bool second, int k, int l, double (&in)[3][3][N]) const {
+  void look(Index h, const double* u, bool second, int k, int l, simd::GroupArray (&in)[3][3]) const {
     const double sign = second ? -1.0 : 1.0;
     const double start = at_rest ? 0 : double(r.start[h]), end = at_rest ? 0 : double(r.end[h]);
     in[0][k][l] = (start + end) / 2 - u[0];
     in[1][k][l] = end - start - sign * u[1];
     in[2][k][l] = (at_rest ? 0 : double(tau[h])) + sign * u[2];
-  }
-
-  static void load(const double (&in)[3][3][N], Lanes (&v)[3][3]) {
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 3; ++k) v[i][k] = Lanes::load(in[i][k]);
   }
 
   // The first halfedges of single faces i, i + 1, ...; beyond the last one, lanes repeat it.
@@ -141,9 +125,8 @@ struct FaceStates {
 // what its relaxed corners move by. Edges between paired faces are turned to their optimum.
 template <class T>
 struct Pull {
-  using Lanes = DoubleLanes;
-  static constexpr int N = Lanes::size;
-  using Coefficients = kernels::FaceCoefficients<Lanes>;
+  static constexpr int N = simd::group_size;
+  using Inverse = simd::GroupArray[6];
 
   const FaceStates<T>& states;
   const FacePairs& faces;
@@ -155,53 +138,56 @@ struct Pull {
 
   template <class System>
   void all(const System& system) const {
-    parallel_for((std::int64_t{faces.singles} + N - 1) / N, [&](std::int64_t group) {
-      Index first[N];
-      Coefficients c;
-      states.singles(faces, group * N, first);
-      states.coefficients(first, c);
-      single(system, group * N, c);
-    });
-    parallel_for((std::int64_t{faces.pairs} + N - 1) / N, [&](std::int64_t group) {
-      Index first[2][N];
-      Coefficients c[2];
-      Lanes inverse[6];
-      states.pairs(faces, group * N, first);
-      for (int side = 0; side < 2; ++side) states.coefficients(first[side], c[side]);
-      kernels::invert_between(c[0], c[1], inverse);
-      pair(system, group * N, c, inverse);
-    });
+    constexpr std::int64_t grain = 256;  // groups: 50K triangles keep two threads equally busy
+    parallel_for((std::int64_t{faces.singles} + N - 1) / N,
+                 [&](std::int64_t group) {
+                   Index first[N];
+                   simd::FaceGroup c;
+                   states.singles(faces, group * N, first);
+                   states.coefficients(first, c);
+                   single(system, group * N, c);
+                 },
+                 grain);
+    parallel_for((std::int64_t{faces.pairs} + N - 1) / N,
+                 [&](std::int64_t group) {
+                   Index first[2][N];
+                   simd::FaceGroup c[2];
+                   Inverse inverse;
+                   states.pairs(faces, group * N, first);
+                   for (int side = 0; side < 2; ++side) states.coefficients(first[side], c[side]);
+                   states.loops.between(c, inverse);
+                   pair(system, group * N, c, inverse);
+                 },
+                 grain);
   }
 
   // Single faces i, i + 1, ...
   template <class System>
-  void single(const System& system, std::int64_t i, const Coefficients& c) const {
+  void single(const System& system, std::int64_t i, const simd::FaceGroup& c) const {
     const auto count = static_cast<int>(std::min<std::int64_t>(N, faces.singles - i));
     Index first[N];
-    double in[3][3][N];
+    simd::GroupArray v[3][3], moved[3];
     std::int64_t row[3][N];
     states.singles(faces, i, first);
     for (int l = 0; l < N; ++l)
       for (int k = 0; k < 3; ++k) {
         row[k][l] = system.single_row(i + std::min(l, count - 1), k);
-        states.look(first[l] + k, &u(0, row[k][l] / 2), row[k][l] % 2 != 0, k, l, in);
+        states.look(first[l] + k, &u(0, row[k][l] / 2), row[k][l] % 2 != 0, k, l, v);
       }
-    Lanes v[3][3], moved[3];
-    states.load(in, v);
-    kernels::relax(c, v, moved);
+    states.loops.relax(c, v, moved);
     for (int l = 0; l < count; ++l)
       for (int k = 0; k < 3; ++k) {
         answer(row[k][l], k, l, v);
-        x[first[l] + k] = moved[k].v[l];
+        x[first[l] + k] = moved[k][l];
       }
   }
 
   // Pairs i, i + 1, ...
   template <class System>
-  void pair(const System& system, std::int64_t i, const Coefficients (&c)[2], const Lanes (&inverse)[6]) const {
+  void pair(const System& system, std::int64_t i, const simd::FaceGroup (&c)[2], const Inverse& inverse) const {
     const auto count = static_cast<int>(std::min<std::int64_t>(N, faces.pairs - i));
     Index first[2][N];
-    double in[2][3][3][N];
+    simd::GroupArray v[2][3][3], moved[2][3], turned[3];
     std::int64_t row[2][3][N];
     states.pairs(faces, i, first);
     for (int side = 0; side < 2; ++side)
@@ -211,29 +197,27 @@ struct Pull {
         row[side][0][l] = 2 * (faces.outer + last) + side;
         for (int k = 1; k < 3; ++k) row[side][k][l] = system.pair_row(last, side, k);
         for (int k = 0; k < 3; ++k, h = Mesh::next(h))
-          states.look(h, &u(0, row[side][k][l] / 2), row[side][k][l] % 2 != 0, k, l, in[side]);
+          states.look(h, &u(0, row[side][k][l] / 2), row[side][k][l] % 2 != 0, k, l, v[side]);
       }
-    Lanes v[2][3][3], moved[2][3], turned[3];
-    for (int side = 0; side < 2; ++side) states.load(in[side], v[side]);
-    kernels::relax_pair(c[0], c[1], inverse, v[0], v[1], moved[0], moved[1], turned);
+    states.loops.relax_pair(c, inverse, v, moved, turned);
     for (int l = 0; l < count; ++l) {
       double* const between = &u(0, faces.outer + i + l);
-      between[0] -= turned[0].v[l];
-      between[1] -= turned[1].v[l];
-      between[2] += turned[2].v[l];
+      between[0] -= turned[0][l];
+      between[1] -= turned[1][l];
+      between[2] += turned[2][l];
       for (int side = 0; side < 2; ++side) {
         Index h = first[side][l];
         for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
           if (k > 0) answer(row[side][k][l], k, l, v[side]);
-          x[h] = moved[side][k].v[l];
+          x[h] = moved[side][k][l];
         }
       }
     }
   }
 
  private:
-  void answer(std::int64_t row, int k, int lane, const Lanes (&v)[3][3]) const {
-    for (int i = 0; i < 3; ++i) parts(i, row) = v[i][k].v[lane];
+  void answer(std::int64_t row, int k, int lane, const simd::GroupArray (&v)[3][3]) const {
+    for (int i = 0; i < 3; ++i) parts(i, row) = v[i][k][lane];
   }
 };
 

@@ -181,24 +181,19 @@ TEST_CASE("all instruction sets give the same bits") {
   const Geometry<double> geometry(mesh, surface.V);
   const detail::FacePairs faces = detail::pair_faces(mesh, geometry);
   REQUIRE(faces.singles > 0);
-  constexpr int N = detail::DoubleLanes::size;
-  const auto coefficients = [&](const Index(&first)[N], kernels::FaceCoefficients<detail::DoubleLanes>& c) {
-    detail::DoubleLanes cot[3], p[3];
-    for (int k = 0; k < 3; ++k) {
-      double at[N], weight[N];
-      for (int l = 0; l < N; ++l) {
-        Index h = first[l];
-        for (int j = 0; j < k; ++j) h = Mesh::next(h);
-        at[l] = geometry.cot(h);
-        weight[l] = mesh.boundary_halfedge(h) ? 0 : 1 + geometry.length(mesh.edge(h));
-      }
-      cot[k] = detail::DoubleLanes::load(at);
-      p[k] = detail::DoubleLanes::load(weight);
-    }
-    kernels::face_coefficients(cot, p, c);
-  };
   std::vector<std::array<float, 3>> first;
   for (const detail::Isa isa : detail::available_isas()) {
+    const auto coefficients = [&](const Index(&some)[detail::simd::group_size], detail::simd::FaceGroup& c) {
+      detail::simd::FaceShapes shapes;
+      for (int l = 0; l < detail::simd::group_size; ++l) {
+        Index h = some[l];
+        for (int k = 0; k < 3; ++k, h = Mesh::next(h)) {
+          shapes.cot[k][l] = geometry.cot(h);
+          shapes.factor[k][l] = mesh.boundary_halfedge(h) ? 0 : 1 + geometry.length(mesh.edge(h));
+        }
+      }
+      detail::simd::group_loops(isa).coefficients(shapes, 10.0, c);
+    };
     detail::CorrectionSystem<float> system(mesh, faces, coefficients, false, detail::NoVisitor{}, isa);
     const double square = system.start([&](Index i) {
       return std::array<double, 3>{std::sin(1.0 * i), std::sin(2.0 * i), std::sin(3.0 * i)};

@@ -6,6 +6,7 @@
 #if defined(__x86_64__)
 namespace alcap::detail::simd {
 
+GroupLoops group_loops_avx512() { return group_loops_of<kernels::isa::Avx512, 8>(); }
 CorrectionLoops<float> correction_loops_avx512() { return correction_loops_of<kernels::isa::Avx512, 16, float>(); }
 
 }  // namespace alcap::detail::simd

@@ -5,6 +5,7 @@
 // same order whatever the width, so that all machines get the same bits.
 #pragma once
 
+#include "kernels/connection_energy.h"
 #include "kernels/face_relaxation.h"
 #include "kernels/pack_rows.h"
 #include "src/simd/correction_raw.h"
@@ -20,8 +21,8 @@ ALCAP_INLINE void prefetch(const void* from, unsigned long long bytes) {
   for (unsigned long long i = 0; i < bytes; i += 64) __builtin_prefetch(static_cast<const char*>(from) + i);
 }
 
-template <class P, class S>
-ALCAP_INLINE void load_coefficients(const FaceArrays<S>& f, int l, kernels::FaceCoefficients<P>& c) {
+template <class P, class S, int size>
+ALCAP_INLINE void load_coefficients(const FaceArrays<S, size>& f, int l, kernels::FaceCoefficients<P>& c) {
   for (int k = 0; k < 3; ++k) c.p[k] = P::load(f.p[k] + l);
   for (int k = 0; k < 6; ++k) c.inverse[k] = P::load(f.inverse[k] + l);
   c.stiffness = P::load(f.stiffness + l);
@@ -179,6 +180,110 @@ void step_edges(EdgeBlock<S>* blocks, long long count, S* exchange, S alpha, S b
       show(l, r, u, exchange, sums);
     }
   }
+}
+
+template <class P, int N, class Array>
+ALCAP_INLINE void load_each(const Array (&from)[N], int l, P (&to)[N]) {
+  for (int k = 0; k < N; ++k) to[k] = P::load(from[k] + l);
+}
+
+template <class P, int N, class Array>
+ALCAP_INLINE void store_each(const P (&from)[N], int l, Array (&to)[N]) {
+  for (int k = 0; k < N; ++k) from[k].store(to[k] + l);
+}
+
+template <class P>
+void group_coefficients(const FaceShapes& shapes, double cap, FaceGroup& out) {
+  for (int l = 0; l < group_size; l += P::size) {
+    P cot[3], factor[3], p[3];
+    load_each(shapes.cot, l, cot);
+    load_each(shapes.factor, l, factor);
+    for (int k = 0; k < 3; ++k) p[k] = kernels::capped_tangent(cot[(k + 2) % 3], P(cap)) * factor[k];
+    kernels::FaceCoefficients<P> c;
+    kernels::face_coefficients(cot, p, c);
+    store_each(c.p, l, out.p);
+    store_each(c.inverse, l, out.inverse);
+    c.stiffness.store(out.stiffness + l);
+  }
+}
+
+template <class P>
+void group_own_blocks(const FaceGroup& faces, GroupArray (&out)[3][6]) {
+  for (int l = 0; l < group_size; l += P::size) {
+    kernels::FaceCoefficients<P> c;
+    load_coefficients(faces, l, c);
+    for (int k = 0; k < 3; ++k) {
+      P pull[3][3], own[6];
+      kernels::unit_pulls(c, k, pull);
+      kernels::own_block(c, k, pull, own);
+      store_each(own, l, out[k]);
+    }
+  }
+}
+
+template <class P>
+void group_between(const FaceGroup (&faces)[2], GroupArray (&out)[6]) {
+  for (int l = 0; l < group_size; l += P::size) {
+    kernels::FaceCoefficients<P> c[2];
+    P inverse[6];
+    for (int side = 0; side < 2; ++side) load_coefficients(faces[side], l, c[side]);
+    kernels::invert_between(c[0], c[1], inverse);
+    store_each(inverse, l, out);
+  }
+}
+
+template <class P>
+void group_outer_blocks(const FaceGroup (&faces)[2], const GroupArray (&between)[6], GroupArray (&out)[2][2][6]) {
+  for (int l = 0; l < group_size; l += P::size) {
+    P inverse[6], outer[2][6];
+    load_each(between, l, inverse);
+    for (int side = 0; side < 2; ++side) {
+      kernels::FaceCoefficients<P> c;
+      load_coefficients(faces[side], l, c);
+      kernels::outer_blocks(c, inverse, side == 1, outer);
+      for (int k = 0; k < 2; ++k) store_each(outer[k], l, out[side][k]);
+    }
+  }
+}
+
+template <class P>
+void group_relax(const FaceGroup& faces, GroupArray (&seen)[3][3], GroupArray (&moved)[3]) {
+  for (int l = 0; l < group_size; l += P::size) {
+    kernels::FaceCoefficients<P> c;
+    P v[3][3], x[3];
+    load_coefficients(faces, l, c);
+    for (int i = 0; i < 3; ++i) load_each(seen[i], l, v[i]);
+    kernels::relax(c, v, x);
+    for (int i = 0; i < 3; ++i) store_each(v[i], l, seen[i]);
+    store_each(x, l, moved);
+  }
+}
+
+template <class P>
+void group_relax_pair(const FaceGroup (&faces)[2], const GroupArray (&between)[6], GroupArray (&seen)[2][3][3],
+                      GroupArray (&moved)[2][3], GroupArray (&turned)[3]) {
+  for (int l = 0; l < group_size; l += P::size) {
+    kernels::FaceCoefficients<P> c[2];
+    P inverse[6], v[2][3][3], x[2][3], turn[3];
+    load_each(between, l, inverse);
+    for (int side = 0; side < 2; ++side) {
+      load_coefficients(faces[side], l, c[side]);
+      for (int i = 0; i < 3; ++i) load_each(seen[side][i], l, v[side][i]);
+    }
+    kernels::relax_pair(c[0], c[1], inverse, v[0], v[1], x[0], x[1], turn);
+    for (int side = 0; side < 2; ++side) {
+      for (int i = 0; i < 3; ++i) store_each(v[side][i], l, seen[side][i]);
+      store_each(x[side], l, moved[side]);
+    }
+    store_each(turn, l, turned);
+  }
+}
+
+template <class Tag, int L>
+GroupLoops group_loops_of() {
+  using P = Pack<double, L, Tag>;
+  return {group_coefficients<P>, group_own_blocks<P>, group_between<P>,
+          group_outer_blocks<P>, group_relax<P>,      group_relax_pair<P>};
 }
 
 template <class Tag, int L, class S>

@@ -15,6 +15,15 @@ CorrectionLoops<float> correction_loops(Isa isa) {
   return correction_loops_sse2(float{});
 }
 
+GroupLoops group_loops(Isa isa) {
+  require_isa(isa);
+#if defined(__x86_64__)
+  if (isa == Isa::avx512) return group_loops_avx512();
+  if (isa == Isa::avx2) return group_loops_avx2();
+#endif
+  return group_loops_sse2();
+}
+
 // Rarely needed.
 template <>
 CorrectionLoops<double> correction_loops(Isa isa) {

@@ -11,5 +11,6 @@ namespace alcap::detail::simd {
 /// The same bits for every instruction set. Throws OptionError when `isa` is not available here.
 template <class S>
 [[nodiscard]] CorrectionLoops<S> correction_loops(Isa isa);
+[[nodiscard]] GroupLoops group_loops(Isa isa);
 
 }  // namespace alcap::detail::simd

@@ -14,9 +14,9 @@ namespace alcap::detail::simd {
 /// Faces, pairs or edges that are worked on together, one array per quantity.
 inline constexpr int block_size = 64;
 
-template <class S>
+template <class S, int size = block_size>
 struct FaceArrays {
-  S p[3][block_size], stiffness[block_size], inverse[6][block_size];
+  S p[3][size], stiffness[size], inverse[6][size];
 };
 
 template <class S>
@@ -53,9 +53,35 @@ struct CorrectionLoops {
   void (*step)(EdgeBlock<S>* blocks, long long count, S* exchange, S alpha, S beta, S* sums);
 };
 
+/// Faces or pairs that are worked on together in double, in the setup and in gradients.
+inline constexpr int group_size = 8;
+
+using GroupArray = double[group_size];
+
+/// p = factor times the capped tangent of the angle opposite.
+struct FaceShapes {
+  GroupArray cot[3], factor[3];
+};
+
+using FaceGroup = FaceArrays<double, group_size>;
+
+/// The functions of kernels/face_relaxation.h of the same names, for a group.
+struct GroupLoops {
+  void (*coefficients)(const FaceShapes& shapes, double cap, FaceGroup& c);
+  void (*own_blocks)(const FaceGroup& c, GroupArray (&own)[3][6]);
+  void (*between)(const FaceGroup (&c)[2], GroupArray (&inverse)[6]);
+  void (*outer_blocks)(const FaceGroup (&c)[2], const GroupArray (&inverse)[6], GroupArray (&outer)[2][2][6]);
+  void (*relax)(const FaceGroup& c, GroupArray (&v)[3][3], GroupArray (&moved)[3]);
+  void (*relax_pair)(const FaceGroup (&c)[2], const GroupArray (&inverse)[6], GroupArray (&v)[2][3][3],
+                     GroupArray (&moved)[2][3], GroupArray (&turned)[3]);
+};
+
+GroupLoops group_loops_sse2();
 CorrectionLoops<float> correction_loops_sse2(float);
 CorrectionLoops<double> correction_loops_sse2(double);
 #if defined(__x86_64__)
+GroupLoops group_loops_avx2();
+GroupLoops group_loops_avx512();
 CorrectionLoops<float> correction_loops_avx2();
 CorrectionLoops<float> correction_loops_avx512();
 #endif
