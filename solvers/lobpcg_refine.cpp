@@ -52,7 +52,6 @@ class Refinement {
   Refined run() {
     Refined result;
     double best = 1e300;
-    double before = 1e300;
     int since_best = 0;
     with_mates_ = !options_.member;
     for (;; ++result.iterations) {
@@ -82,9 +81,6 @@ class Refinement {
         choose_neighbours();
         without_neighbours();
       }
-      // x turns towards another member of its cluster, along p: a step without p does not.
-      if (residual_ > 1.5 * before) forget_p();
-      before = residual_;
       if (!step()) break;
     }
     result.residual = residual_;
