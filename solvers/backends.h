@@ -52,6 +52,9 @@ void guarded(const std::string& name, Step&& step) {
   }
 }
 
+/// A factor of more rows than this takes minutes and more than 5 GB: it is not made unasked.
+inline constexpr Eigen::Index factorisable_rows = 3'000'000;
+
 /// A positive pivot this many rounding units below its diagonal entry carries no digit: the matrix is singular to
 /// working precision. A margin of 64 covers the rounding errors summed up in one pivot.
 inline constexpr double singular_pivot = 64 * 2.2204460492503131e-16;

@@ -3,9 +3,9 @@
 // factory.cpp: the table of linear backends, and the choice among them.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <string>
 
+#include "solvers/automatic.h"
 #include "solvers/backends.h"
 
 namespace alcap {
@@ -20,10 +20,7 @@ struct Backend {
   SolverPtr<complex<double>> (*hermitian)(const SolverOptions&);
 };
 
-// One line per backend, the preferred one first: "auto" takes it. That is a factorisation, because most callers solve
-// often; who solves a complex system only a few times asks for "multigrid" by name. It is quicker up to
-// about 15 right-hand sides from 50K triangles on (docs/performance.md). Real systems go through complex multigrid and
-// gain less.
+// One line per backend, the preferred factorisation first: "auto" takes it where it does not take "multigrid".
 const auto backends = std::to_array<Backend>({
 #ifdef ALCAP_WITH_CHOLMOD
     {"cholmod", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::automatic, o); },
@@ -49,6 +46,9 @@ void validate(const SolverOptions& options) {
   if (options.max_iterations < 1) {
     throw OptionError("max_iterations", std::to_string(options.max_iterations), "must be at least 1");
   }
+  if (options.right_hand_sides < 0) {
+    throw OptionError("right_hand_sides", std::to_string(options.right_hand_sides), "must be at least 0");
+  }
 }
 
 }  // namespace
@@ -69,8 +69,9 @@ std::vector<std::string> linear_solvers() {
 template <class Scalar>
 std::unique_ptr<LinearSolver<Scalar>> make_linear_solver(const SolverOptions& options) {
   validate(options);
-  const auto chosen = std::find_if(backends.begin(), backends.end(),
-                                   [&](const Backend& b) { return options.name == b.name || options.name == "auto"; });
+  if (options.name == "auto") return std::make_unique<detail::AutomaticSolver<Scalar>>(options);
+  const auto chosen =
+      std::find_if(backends.begin(), backends.end(), [&](const Backend& b) { return options.name == b.name; });
   if constexpr (std::is_same_v<Scalar, double>) {
     return chosen->real(options);
   } else {

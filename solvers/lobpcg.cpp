@@ -35,8 +35,6 @@ constexpr double negligible = 1e-2;
 constexpr Eigen::Index factorised_rows = 512;
 /// A coarsest level of so many rows is solved directly, in a few milliseconds.
 constexpr Index direct_rows = 96;
-/// A factor of more rows than this takes minutes and more than 5 GB: it is not made unasked.
-constexpr Eigen::Index factorisable_rows = 3'000'000;
 /// Steps of block LOBPCG from random vectors on a larger coarsest level, and on the levels between.
 constexpr int coarsest_steps = 6;
 constexpr int level_steps = 3;

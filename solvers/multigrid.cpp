@@ -164,7 +164,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   const LinearSolver<complex<double>>& factorised() const {
     const std::lock_guard<std::mutex> lock(*direct_lock_);
     if (!direct_) {
-      auto direct = make_linear_solver<complex<double>>({.cancel = options_.cancel});
+      auto direct = make_linear_solver<complex<double>>({.name = linear_solvers().front(), .cancel = options_.cancel});
       direct->analyse(A_);
       direct->factorise(A_);
       direct_ = std::move(direct);

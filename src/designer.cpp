@@ -115,7 +115,7 @@ struct Designer::State {
     operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
     frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, V_, geometry, connection));
     guidance = ComplexVectorX<double>::Zero(mesh.vertices());
-    solver = make_linear_solver<C>({.name = options.solver});
+    solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = options.right_hand_sides});
     solver->set_transport(M);
     tell("analyse");
     solver->analyse(S2);

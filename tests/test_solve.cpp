@@ -279,6 +279,40 @@ TEST_CASE("unknown names are refused with the list of known ones") {
   CHECK_THROWS_AS(static_cast<void>(smallest_eigenpair(I, I, 0)), OptionError);
   CHECK_THROWS_AS(static_cast<void>(smallest_eigenpair(I, I, 1, {.tolerance = 0})), OptionError);
   CHECK_THROWS_AS(static_cast<void>(make_linear_solver<Z>({.max_iterations = 0})), OptionError);
+  CHECK_THROWS_AS(static_cast<void>(make_linear_solver<Z>({.right_hand_sides = -1})), OptionError);
+}
+
+TEST_CASE("auto: multigrid for a few solves of a large system, a factorisation otherwise") {
+  const Problem large = problem_of(icosphere(5), 4), small = problem_of(icosphere(3), 4);
+  REQUIRE(large.S.rows() >= 10'000);
+  const auto chosen = [](const Problem& p, int right_hand_sides) {
+    const Hermitian A = p.shifted();
+    const auto solver = make_linear_solver<Z>({.right_hand_sides = right_hand_sides});
+    CHECK(solver->name() == "auto");
+    solver->set_transport(p.M);
+    solver->analyse(A);
+    solver->factorise(A);
+    const Dense b = random_dense(A.rows(), 2, 1);
+    Dense x(b.rows(), b.cols());
+    const SolveReport report = solver->solve(b, x);
+    CHECK(report.converged);
+    CHECK(residual<Z>(A, x, b) <= 1e-10);
+    CHECK(report.solver.find(solver->name()) == 0);
+    return solver->name();
+  };
+  const auto factorisation = [](const std::string& name) { return name != "multigrid" && name != "auto"; };
+  CHECK(chosen(large, 2) == "multigrid");
+  CHECK(factorisation(chosen(large, 0)));
+  CHECK(factorisation(chosen(large, 100)));
+  CHECK(factorisation(chosen(small, 2)));
+  // One solver for a small matrix and then a large one.
+  const auto solver = make_linear_solver<Z>({.right_hand_sides = 2});
+  solver->analyse(small.shifted());
+  CHECK(factorisation(solver->name()));
+  solver->analyse(large.shifted());
+  CHECK(solver->name() == "multigrid");
+  Dense x(1, 1);
+  CHECK_THROWS_AS(static_cast<void>(make_linear_solver<Z>()->solve(x, x)), SolveError);
 }
 
 TEST_CASE("one solver serves several threads, several solvers do not disturb each other") {

@@ -73,6 +73,14 @@ ComplexVectorX<double> find_guidance(const DesignProblem& p, SolvedDesign& out) 
   return u0;
 }
 
+/// What a design that is solved once solves for; 0 where strokes need more than can be told from here.
+int right_hand_sides(const std::vector<DesignControl>& controls) {
+  for (const DesignControl& c : controls)
+    if (!std::holds_alternative<SingularityTarget>(c.control) && !std::holds_alternative<VertexConstraint>(c.control))
+      return 0;
+  return static_cast<int>(controls.size()) + 1;
+}
+
 void solve_variational(const DesignProblem& p, Progress& progress, SolvedDesign& out) {
   progress.phase("finding the guidance field");
   auto lap = Clock::now();
@@ -88,7 +96,8 @@ void solve_variational(const DesignProblem& p, Progress& progress, SolvedDesign&
                      .guidance_weight = guided && !guidance.t ? guidance.weight : 0.0,
                      .t = guidance.t,
                      .s = p.design.s,
-                     .solver = p.solver});
+                     .solver = p.solver,
+                     .right_hand_sides = right_hand_sides(p.controls)});
   for (const DesignControl& c : p.controls) {
     try {
       (void)designer.add(c.control);

@@ -40,8 +40,11 @@ struct SolveReport {
 };
 
 struct SolverOptions {
-  /// "auto" picks the fastest compiled-in backend for the size; see linear_solvers() for the names.
+  /// "auto" picks the fastest compiled-in backend when it sees the matrix; see linear_solvers() for the names.
   std::string name = "auto";
+  /// For "auto": how many right-hand sides one factorisation will be used for; 0: not known, many. A factorisation
+  /// costs as much as a dozen multigrid solves.
+  int right_hand_sides = 0;
   double tolerance = 1e-10;   // iterative backends: relative residual
   int max_iterations = 1000;  // iterative backends
   /// Asked before every analysis, factorisation and solve, and by iterative backends in every iteration; true ends the
