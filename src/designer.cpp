@@ -206,13 +206,16 @@ struct Designer::State {
     const OptionError singular("guidance_weight", shown(options.guidance_weight),
                                "the design's system is singular: this connection has parallel fields (flat or "
                                "trivial), so targets alone do not determine one; give a guidance weight");
+    bool parallel_fields = false;
     try {
       solver->factorise(A);
+      // Iterative backends only find out here.
+      parallel_fields = mass_weight() == 0 && !folded && is_singular();
     } catch (const SolveError&) {
       if (mass_weight() == 0 && !folded) throw singular;
       throw;
     }
-    if (mass_weight() == 0 && !folded && is_singular()) throw singular;
+    if (parallel_fields) throw singular;
     stale = false;
   }
 

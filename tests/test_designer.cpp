@@ -232,6 +232,23 @@ TEST_CASE("singular systems, empty designs and bad controls are refused with the
   CHECK_THROWS_AS((void)sphere.designer({.n = 1, .guidance_weight = -1}), OptionError);
 }
 
+TEST_CASE("a design solved once: multigrid gives the field of the factorisation, and refuses what that refuses") {
+  const Case s(icosphere(5)), flat(disk(60));
+  std::vector<DesignResult> results;
+  for (const int right_hand_sides : {0, 3}) {
+    auto designer = s.designer({.n = 2, .right_hand_sides = right_hand_sides});
+    (void)designer.add(SingularityTarget{.face = 77, .sign = 1, .orientation = 0.3});
+    (void)designer.add(VertexConstraint{.vertex = 5000, .value = {0.5, 1}});
+    results.push_back(designer.solve());
+    for (const ControlReport& c : results.back().controls) CHECK(c.met);
+    CHECK(results.back().residual < 1e-9);
+    // A flat disk has parallel fields.
+    CHECK_THROWS_AS((void)flat.designer({.n = 1, .right_hand_sides = right_hand_sides}), OptionError);
+  }
+  CHECK(results[1].residual > 100 * results[0].residual);  // multigrid ends at its tolerance
+  CHECK((results[0].field.u - results[1].field.u).norm() <= 1e-7 * results[0].field.u.norm());
+}
+
 TEST_CASE("a traced line aligns the field in every face it crosses, however few points were drawn") {
   const Case s(bumpy_sphere(4, 0.1, 3));
   Positions<double> points(5, 3);

@@ -73,12 +73,16 @@ ComplexVectorX<double> find_guidance(const DesignProblem& p, SolvedDesign& out) 
   return u0;
 }
 
-/// What a design that is solved once solves for; 0 where strokes need more than can be told from here.
+/// What a design that is solved once solves for: one system for all targets, one for every pin and vertex. 0 where
+/// strokes need more than can be told from here.
 int right_hand_sides(const std::vector<DesignControl>& controls) {
-  for (const DesignControl& c : controls)
-    if (!std::holds_alternative<SingularityTarget>(c.control) && !std::holds_alternative<VertexConstraint>(c.control))
-      return 0;
-  return static_cast<int>(controls.size()) + 1;
+  int count = 1;
+  for (const DesignControl& c : controls) {
+    const auto* const target = std::get_if<SingularityTarget>(&c.control);
+    if (target == nullptr && !std::holds_alternative<VertexConstraint>(c.control)) return 0;
+    if (target == nullptr || target->pin) ++count;
+  }
+  return count;
 }
 
 void solve_variational(const DesignProblem& p, Progress& progress, SolvedDesign& out) {
