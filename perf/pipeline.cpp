@@ -6,6 +6,8 @@
 
 #include "alcap/batch.h"
 #include "alcap/mesh_io.h"
+#include "alcap/output.h"
+#include "alcap/singularities.h"
 #include "perf/common.h"
 
 namespace {
@@ -19,6 +21,38 @@ void read(benchmark::State& state, const Prepared& p, int threads, const std::st
   perf::timed(state, threads, [&] { benchmark::DoNotOptimize(read_mesh(path)); });
   perf::bandwidth(state, double(std::filesystem::file_size(path)));
   std::filesystem::remove(path);
+}
+
+// Any field will do: that of u = 1 in the frames of the polar map.
+Field<double> some_field(const Prepared& p, const Connection<double>& c) {
+  return {.n = 4,
+          .u = ComplexVectorX<double>::Ones(p.mesh.vertices()),
+          .frames = std::make_shared<const Frames<double>>(vertex_frames(p.mesh, p.surface.V, c))};
+}
+
+void indices(benchmark::State& state, const Prepared& p, int threads) {
+  const Connection<double> c = polar(p.mesh, p.geometry);
+  const Field<double> field = some_field(p, c);
+  perf::timed(state, threads, [&] { benchmark::DoNotOptimize(find_singularities(p.mesh, p.geometry, c, field)); });
+}
+
+void write(benchmark::State& state, const Prepared& p, int threads) {
+  const Connection<double> c = polar(p.mesh, p.geometry);
+  const Field<double> field = some_field(p, c);
+  const std::vector<Singularity> zeros = find_singularities(p.mesh, p.geometry, c, field);
+  std::vector<std::filesystem::path> files;
+  for (const char* const format : {"ply", "vtp", "rawfield", "rosy"})
+    files.push_back(std::filesystem::temp_directory_path() / ("alcap_perf_write." + std::string(format)));
+  std::vector<std::filesystem::path> written;
+  perf::timed(state, threads, [&] {
+    written = write_field({p.mesh, p.surface.V, p.geometry, c, field, zeros}, files);
+  });
+  double bytes = 0;
+  for (const std::filesystem::path& file : written) {
+    bytes += double(std::filesystem::file_size(file));
+    std::filesystem::remove(file);
+  }
+  perf::bandwidth(state, bytes);
 }
 
 void batch(benchmark::State& state, int jobs);
@@ -48,6 +82,8 @@ void declare(const perf::Plan& plan) {
     const Connection<double> c = polar(p.mesh, p.geometry);
     perf::timed(state, threads, [&] { benchmark::DoNotOptimize(vertex_frames(p.mesh, p.surface.V, c)); });
   });
+  perf::add(plan, "indices", "", indices);
+  perf::add(plan, "write", "", write);
   for (const int n : plan.degrees)
     perf::add(plan, "field", "n:" + std::to_string(n), [n](benchmark::State& state, const Prepared& p, int threads) {
       FieldRun run;

@@ -2,8 +2,9 @@
 """bench_compare.py OLD.json NEW.json [--relative 0.15] [--absolute 0.005]: what became slower or faster.
 
 A difference counts when it exceeds both thresholds: the fraction of the old time and the seconds. CPU seconds are
-compared unless --wall is given: they say more on a machine that does other things too. Residuals that grew tenfold count
-as well. Exit code 1 when anything got worse.
+compared unless --wall is given: they say more on a machine that does other things too. Residuals that grew tenfold or are
+no numbers count as well. What one of the files does not have is listed and not judged: it may have been left out for lack
+of time. Exit code 1 when anything got worse.
 """
 import argparse
 import json
@@ -14,19 +15,22 @@ import bench_report
 
 def compare(old, new, relative, absolute, key):
     before = {bench_report.key_of(r): r for r in old["results"]}
+    name_of = lambda key: "/".join(str(v) for v in key if v is not None)
+    after = {bench_report.key_of(r) for r in new["results"]}
     worse, better = [], []
+    alone = [name_of(key) for key in before if key not in after] + [name_of(key) for key in after if key not in before]
     for r in new["results"]:
         was = before.get(bench_report.key_of(r))
         if was is None:
             continue
-        name = "/".join(str(v) for v in bench_report.key_of(r) if v is not None)
+        name = name_of(bench_report.key_of(r))
         difference = r[key] - was[key]
         if abs(difference) > absolute and abs(difference) > relative * was[key]:
             line = f"{name}: {was[key]:.4g} s -> {r[key]:.4g} s ({100 * difference / was[key]:+.0f} %)"
             (worse if difference > 0 else better).append(line)
-        if r.get("residual", 0) > 10 * max(was.get("residual", float("inf")), 1e-12):
+        if "residual" in r and "residual" in was and not r["residual"] <= 10 * max(was["residual"], 1e-12):
             worse.append(f"{name}: residual {was['residual']:.1e} -> {r['residual']:.1e}")
-    return worse, better
+    return worse, better, alone
 
 
 def main():
@@ -37,9 +41,9 @@ def main():
     parser.add_argument("--absolute", type=float, default=0.005)
     parser.add_argument("--wall", action="store_true")
     arguments = parser.parse_args()
-    worse, better = compare(json.loads(arguments.old.read_text()), json.loads(arguments.new.read_text()),
-                            arguments.relative, arguments.absolute, "seconds" if arguments.wall else "cpu_seconds")
-    for title, lines in (("slower or less exact", worse), ("faster", better)):
+    worse, better, alone = compare(json.loads(arguments.old.read_text()), json.loads(arguments.new.read_text()),
+                                   arguments.relative, arguments.absolute, "seconds" if arguments.wall else "cpu_seconds")
+    for title, lines in (("slower or less exact", worse), ("faster", better), ("in one of the files only", alone)):
         print(f"{title}: {len(lines)}")
         for line in lines:
             print("  " + line)

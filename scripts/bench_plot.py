@@ -135,12 +135,9 @@ def roofline(report, threads, rows):
     for r in rows:
         if r["threads"] != threads or r["size"] != largest(r["phase"]):
             continue
-        if r["phase"] in ("product", "assembly") and "GFlop/s" in r and r.get("GB/s"):
-            label = {"product": "S x, double", "assembly": "assembly"}[r["phase"]]
+        if r["phase"] in ("product", "assembly", "connection") and "GFlop/s" in r and r.get("GB/s"):
+            label = {"product": "S x, double"}.get(r["phase"], r["phase"])
             series[f"{label}, {short(r['size'])}"] = [(r["GFlop/s"] / r["GB/s"], r["GFlop/s"])]
-        # A relaxed face and its edges, counted from the code: 240 operations on 390 bytes.
-        if r["phase"] == "connection" and r.get("ns/triangle/its"):
-            series[f"connection, {short(r['size'])}"] = [(240 / 390, 240 / r["ns/triangle/its"])]
     for r in report["results"]:
         if r["phase"] == "kernels" and r.get("form") == "series" and r.get("family") == "double":
             series[f"entries, {r['isa']}, 1 thread"] = [(r["GFlop/s"] / r["GB/s"], r["GFlop/s"])]
@@ -156,7 +153,7 @@ def plots(report):
     first = max(bench, key=lambda r: r["size"]).get("family") if bench else None
     faces = lambda r: r.get("faces", r["size"])
     seconds = lambda r: r["seconds"]
-    kept = ("halfedges", "topology", "geometry", "connection", "assembly", "eigen", "frames")
+    kept = ("halfedges", "topology", "geometry", "connection", "assembly", "eigen", "frames", "indices", "write")
     ours = [r for r in bench if r["phase"] in kept and r.get("family") == first and r.get("backend", "auto") == "auto" and
             r.get("n", 4) == 4 and r.get("detail", 1) == 1]
     times = [r for r in ours if r["threads"] == threads]

@@ -51,7 +51,7 @@ def only(pattern):
 
 AUTO = only("^eigen/.*backend:auto/")
 DEFAULT_DETAIL = only("^connection/.*detail:1/")
-PHASES = only("^(read/.*ply|half|topo|geom|frames)")
+PHASES = only("^(read/.*ply|half|topo|geom|frames|indices|write)")
 MULTIGRID = only("^product|^linear_(setup|solve)/.*backend:multigrid")
 
 
@@ -61,7 +61,7 @@ def quick_units(sizes, most, one_and_most):
     small = [s for s in sizes if s <= 100000] or sizes[:1]
     middle = [s for s in sizes if s <= 400000] or sizes[:1]
     large_linear = "product|(setup|solve)/.*multigrid"
-    phases = only("^(read|half|topo|geom|frames)")
+    phases = only("^(read|half|topo|geom|frames|indices|write)")
 
     def unit(program, size, threads, flags=(), repetitions=1):
         return Unit(program, size, threads, ["jittered"], list(flags), repetitions)

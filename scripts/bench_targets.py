@@ -21,7 +21,7 @@ DETAIL = 3
 GROWTH, GROWTH_FROM = 1.25, 327680
 # Phases that must grow so, by what their results share; of the tool each phase that it reports, and all of it.
 GROWING = [
-    *[{"phase": phase} for phase in ("read", "halfedges", "topology", "geometry", "frames", "pattern", "assembly")],
+    *[{"phase": phase} for phase in ("read", "halfedges", "topology", "geometry", "frames", "pattern", "assembly", "indices", "write")],
     {"phase": "connection", "detail": 1},
     {"phase": "eigen", "backend": "auto", "n": 1},
     {"phase": "eigen", "backend": "auto", "n": 4},

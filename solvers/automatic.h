@@ -21,9 +21,9 @@ class AutomaticSolver final : public LinearSolver<Scalar> {
   explicit AutomaticSolver(const SolverOptions& options) : options_(options) {}
 
   void set_transport(const SparseMatrix<Scalar>& T) override {
-    if (chosen_) return chosen_->set_transport(T);
-    // Whether it will be used is not known yet.
-    if (few_) transport_ = T;
+    if (chosen_) chosen_->set_transport(T);
+    // An analysis to come may choose multigrid, which uses it.
+    if (few_ || T.rows() > factorisable_rows) transport_ = T;
   }
 
   void analyse(const SparseMatrix<Scalar>& A) override {
@@ -32,15 +32,15 @@ class AutomaticSolver final : public LinearSolver<Scalar> {
     if (!chosen_ || options.name != name_) {
       chosen_ = make_linear_solver<Scalar>(options);
       name_ = options.name;
+      if (transport_.rows() > 0) chosen_->set_transport(transport_);
     }
-    if (transport_.rows() > 0) chosen_->set_transport(transport_);
-    transport_ = {};
     chosen_->analyse(A);
   }
 
   void factorise(const SparseMatrix<Scalar>& A) override {
     if (!chosen_) throw SolveError("factorise() before analyse()");
     chosen_->factorise(A);
+    SparseMatrix<Scalar>().swap(transport_);  // assigning an empty one would keep the memory
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {

@@ -245,8 +245,7 @@ class Cascade {
       const VectorX<double> before = block.values();
       if (!block.step()) break;
       const VectorX<double>& now = block.values();
-      // Close ones must be told apart here: the refinement could only turn x from one to another, and bring back the
-      // errors of the others with every turn.
+      // What is told apart here need not be in double (lobpcg_cluster.h).
       const Eigen::Index members = (now.array() <= close * now[0]).cast<Eigen::Index>().sum();
       const double change = (before - now).head(std::max<Eigen::Index>(2, members)).cwiseAbs().maxCoeff();
       settled = change <= (members > 1 ? close_settled : next_settled) * std::max(now[0], floor_);
@@ -308,12 +307,16 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
     Cascade cascade(same ? problem.S : S, same ? problem.M : M, same, problem.area, options);
     unit = cascade.unit();
     refined = cascade.run();
-  } catch (const SolveError&) {
+  } catch (const SolveError& e) {
     // Not positive somewhere: what exactly, the factorisation will say.
-    return directly(problem, options, "");
+    if (problem.S.rows() > factorisable_rows) throw;
+    return directly(problem, options, std::string(e.what()) + ": factorised instead");
   }
-  if (refined.u.size() == 0 || refined.end == Refined::End::indefinite)
+  if (refined.u.size() == 0 || refined.end == Refined::End::indefinite) {
+    if (problem.S.rows() > factorisable_rows)
+      throw SolveError("the problem is unfit for multigrid, and too large to be factorised unasked");
     return directly(problem, options, "the problem is unfit for multigrid: factorised instead");
+  }
   EigenResult result;
   result.u = std::move(refined.u);
   result.report.iterations = refined.iterations;

@@ -40,12 +40,15 @@ class Cluster {
       for (int k = 1; k < count; ++k) refine_member(k, member_steps, options_.tolerance);
       if (!part_members()) break;
       first = refine_member(0, options_.max_iterations, enough_outside * options_.tolerance);
-      if (first.residual <= options_.tolerance || first.end == Refined::End::indefinite) break;
+      if (first.residual <= options_.tolerance || first.end == Refined::End::indefinite ||
+          iterations_ >= options_.max_iterations)
+        break;
     }
     if (first.end != Refined::End::indefinite)
       first.end = first.residual <= options_.tolerance ? Refined::End::converged : Refined::End::stalled;
     first.iterations = iterations_;
     first.next = theta_[1];
+    first.length = 1;
     first.u = std::move(members_.front());
     return first;
   }

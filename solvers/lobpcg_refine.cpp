@@ -9,6 +9,7 @@
 #include "solvers/lobpcg_refine.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "solvers/backends.h"
@@ -105,6 +106,7 @@ class Refinement {
   /// The residual, its norm, lambda, and the products of x with itself, p and its neighbours.
   void residual() {
     float* const b = workspace_.b[0].data();
+    removed_ = {};
     // The Rayleigh quotient is only known behind the pass: the residual is that of the Ritz value, which is the same
     // but for rounding and, at the start, for the single precision of the neighbours.
     const double lambda = lambda_;
@@ -191,7 +193,8 @@ class Refinement {
     bool any = false;
     for (int k = 1; k < K; ++k) {
       const int at = at_y + k - 1;
-      if (used(at)) continue;
+      if (used(at) || removed_[k]) continue;
+      removed_[k] = true;
       const complex<double> part = S_(at, at_x) - lambda_ * M_(at, at_x);
       re[k] = static_cast<float>(part.real());
       im[k] = static_cast<float>(part.imag());
@@ -368,6 +371,7 @@ class Refinement {
   Dense S_, M_;          // Gram matrices of (x, w, p, neighbours)
   Dense old_S_, old_M_;  // products of the x before, with all
   complex<double> old_part_ = 0;
+  std::array<bool, K> removed_ = {};  // neighbours whose parts are out of the residual
   bool p_used_ = false;
   bool with_mates_ = true;
   double lambda_ = 0;

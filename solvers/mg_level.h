@@ -10,9 +10,9 @@
 
 #include <complex>
 #include <cstdint>
-#include <memory>
 
 #include "alcap/conventions.h"
+#include "alcap/detail/unset_array.h"
 #include "alcap/parallel.h"
 #include "solvers/block_kernels.h"
 
@@ -25,8 +25,7 @@ template <class T>
 class Buffer {
  public:
   Buffer() = default;
-  explicit Buffer(std::int64_t size)
-      : data_(std::make_unique_for_overwrite<T[]>(static_cast<std::size_t>(size))), size_(size) {}
+  explicit Buffer(std::int64_t size) : data_(unset_array<T>(static_cast<std::size_t>(size))), size_(size) {}
   [[nodiscard]] T* data() { return data_.get(); }
   [[nodiscard]] const T* data() const { return data_.get(); }
   [[nodiscard]] std::int64_t size() const { return size_; }
@@ -34,7 +33,7 @@ class Buffer {
   [[nodiscard]] const T& operator[](std::int64_t i) const { return data_[static_cast<std::size_t>(i)]; }
 
  private:
-  std::unique_ptr<T[]> data_;
+  UnsetArray<T> data_;
   std::int64_t size_ = 0;
 };
 

@@ -75,29 +75,34 @@ class Multigrid final : public LinearSolver<complex<double>> {
     if (!ready_) throw SolveError("multigrid: solve() before factorise()");
     require_sizes(B, X, rows_);
     SolveReport report = report_;
-    report.solver = name();
+    report.solver = own_name;
     guarded("multigrid solve", [&] { columns(B, X, report); });
     report.converged = report.residual <= options_.tolerance;
     report.solve_seconds = timer.seconds();
     return report;
   }
 
-  [[nodiscard]] std::string name() const override { return "multigrid"; }
+  [[nodiscard]] std::string name() const override {
+    const std::lock_guard<std::mutex> lock(*direct_lock_);
+    return direct_ ? std::string(own_name) + ", stalled, then " + direct_->name() : own_name;
+  }
 
  private:
+  static constexpr const char* own_name = "multigrid";
+
   void columns(const Eigen::Ref<const MatrixX<complex<double>>>& B, Eigen::Ref<MatrixX<complex<double>>> X,
                SolveReport& report) const {
     auto workspace = hierarchy_.workspace<1>();
     for (Eigen::Index c = 0; c < B.cols(); ++c) {
       Vector x;
       auto [iterations, relative] = conjugate_gradients(B.col(c), x, workspace);
-      if (relative > options_.tolerance && iterations < options_.max_iterations) {
+      if (relative > options_.tolerance && iterations < options_.max_iterations && rows_ <= factorisable_rows) {
         const LinearSolver<complex<double>>& direct = factorised();
         MatrixX<complex<double>> column(rows_, 1);
         (void)direct.solve(B.col(c), column);
         x = column.col(0);
         relative = residual_of(x, B.col(c));
-        report.solver = name() + ", stalled, then " + direct.name();
+        report.solver = name();
       }
       X.col(c) = x;
       report.iterations = std::max(report.iterations, iterations);

@@ -105,20 +105,23 @@ SparseMatrix<Complex<T>> diagonal_block(const SparseMatrix<Complex<T>>& A, const
                                         const std::vector<Index>& local) {
   const Index size = static_cast<Index>(vertices.size());
   SparseMatrix<Complex<T>> B(size, size);
-  Index nonzeros = 0;
-  for (Index j = 0; j < size; ++j) {
+  const Index* const start = A.outerIndexPtr();
+  Index* const first = B.outerIndexPtr();
+  parallel_for(size, [&](std::int64_t j) {
     const Index v = vertices[static_cast<std::size_t>(j)];
-    B.outerIndexPtr()[j] = nonzeros;
-    nonzeros += A.outerIndexPtr()[v + 1] - A.outerIndexPtr()[v];
-  }
-  B.outerIndexPtr()[size] = nonzeros;
-  B.resizeNonZeros(nonzeros);
-  Index k = 0;
-  for (const Index v : vertices)
-    for (Index a = A.outerIndexPtr()[v]; a < A.outerIndexPtr()[v + 1]; ++a, ++k) {
-      B.innerIndexPtr()[k] = local[static_cast<std::size_t>(A.innerIndexPtr()[a])];
-      B.valuePtr()[k] = A.valuePtr()[a];
+    first[j] = start[v + 1] - start[v];
+  });
+  first[size] = 0;
+  B.resizeNonZeros(parallel_exclusive_scan(first, std::int64_t{size} + 1));
+  Index* const row = B.innerIndexPtr();
+  Complex<T>* const value = B.valuePtr();
+  parallel_for(size, [&](std::int64_t j) {
+    const Index v = vertices[static_cast<std::size_t>(j)];
+    for (Index a = start[v], b = first[j]; a < start[v + 1]; ++a, ++b) {
+      row[b] = local[static_cast<std::size_t>(A.innerIndexPtr()[a])];
+      value[b] = A.valuePtr()[a];
     }
+  });
   return B;
 }
 

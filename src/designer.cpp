@@ -32,6 +32,8 @@ using detail::ControlRow;
 constexpr double exact_compliance = 1e-12;
 // A field whose energy is this small, relative to its size, in units of 1/area, is parallel.
 constexpr double parallel = 1e-6;
+// Inverse iterations that find it.
+constexpr int probes = 4;
 // A target is met when its orientation is off by no more than this.
 constexpr double met_degrees = 0.5;
 // Strokes are met within this many degrees on average: drawn to, not tied to.
@@ -115,7 +117,7 @@ struct Designer::State {
     operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
     frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, V_, geometry, connection));
     guidance = ComplexVectorX<double>::Zero(mesh.vertices());
-    solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = options.right_hand_sides});
+    solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = all_right_hand_sides()});
     solver->set_transport(M);
     tell("analyse");
     solver->analyse(S2);
@@ -149,6 +151,12 @@ struct Designer::State {
   [[nodiscard]] double mass_weight() const { return (options.t ? -*options.t : options.guidance_weight) * unit(); }
   [[nodiscard]] double guidance_scale() const { return (options.t ? 1.0 : options.guidance_weight) * unit(); }
   [[nodiscard]] const SparseMatrix<C>& mass() const { return weighted.rows() > 0 ? weighted : M; }
+
+  // Those the caller knows of and those of is_singular().
+  [[nodiscard]] int all_right_hand_sides() const {
+    const int known = options.right_hand_sides;
+    return known > 0 && mass_weight() == 0 ? known + probes : known;
+  }
 
   // S2 still holds S.
   void check_t() const {
@@ -223,7 +231,7 @@ struct Designer::State {
   [[nodiscard]] bool is_singular() const {
     MatrixX<C> x = MatrixX<C>::Ones(mesh.vertices(), 1), Mx(mesh.vertices(), 1);
     double energy = 0;
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < probes; ++round) {
       hermitian_product(M, x.data(), Mx.data());
       const double size = x.col(0).dot(Mx.col(0)).real();
       Mx /= std::sqrt(size);
@@ -588,6 +596,7 @@ DesignResult Designer::solve() {
   result.field.frames = s.frames;
   s.solve_loads(result);
   s.apply_rows(result);
+  result.solver = s.solver->name();
   s.tell("analysis");
   for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

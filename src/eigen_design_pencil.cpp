@@ -108,19 +108,20 @@ class Pencil {
 
   // Without a shift the rows of the mass need no update. That is safe where the plain problem is clearly regular.
   bool factorise_unshifted() {
+    double energy = 0;
     try {
       complex_->factorise(S_);
+      // A few inverse iterations tell whether the smallest eigenvalue is something or nothing. Iterative backends only
+      // find out here.
+      MatrixX<C> x = MatrixX<C>::Ones(S_.rows(), 1), Mx(S_.rows(), 1);
+      for (int round = 0; round < 4; ++round) {
+        hermitian_product(M_, x.data(), Mx.data());
+        Mx /= std::sqrt(x.col(0).dot(Mx.col(0)).real());
+        (void)complex_->solve(Mx, x);
+        energy = 1 / std::sqrt(x.col(0).dot(M_ * x.col(0)).real());
+      }
     } catch (const SolveError&) {
       return false;
-    }
-    // A few inverse iterations tell whether the smallest eigenvalue is something or nothing.
-    MatrixX<C> x = MatrixX<C>::Ones(S_.rows(), 1), Mx(S_.rows(), 1);
-    double energy = 0;
-    for (int round = 0; round < 4; ++round) {
-      hermitian_product(M_, x.data(), Mx.data());
-      Mx /= std::sqrt(x.col(0).dot(Mx.col(0)).real());
-      (void)complex_->solve(Mx, x);
-      energy = 1 / std::sqrt(x.col(0).dot(M_ * x.col(0)).real());
     }
     return energy * plain_size() > 1e-2;
   }

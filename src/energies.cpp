@@ -12,14 +12,15 @@
 #include "alcap/detail/angles.h"
 #include "alcap/detail/triangle_entries.h"
 #include "alcap/parallel.h"
+#include "src/large_array.h"
 
 namespace alcap {
 namespace {
 
 template <class T>
 struct TriangleEntries {
-  std::unique_ptr<T[]> stiffness_diagonal;
-  std::unique_ptr<Complex<T>[]> stiffness_off, mass_off;
+  detail::LargeArray<T> stiffness_diagonal;
+  detail::LargeArray<Complex<T>> stiffness_off, mass_off;
 };
 
 void check_pattern(const Mesh& mesh, const HermitianPattern& pattern) {
@@ -32,16 +33,15 @@ template <class T>
 TriangleEntries<T> entries_of_triangles(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
                                         int n) {
   const auto faces = static_cast<std::size_t>(mesh.faces());
-  TriangleEntries<T> entries{std::make_unique_for_overwrite<T[]>(3 * faces),
-                             std::make_unique_for_overwrite<Complex<T>[]>(3 * faces),
-                             std::make_unique_for_overwrite<Complex<T>[]>(faces)};
+  TriangleEntries<T> entries{detail::LargeArray<T>(3 * faces), detail::LargeArray<Complex<T>>(3 * faces),
+                             detail::LargeArray<Complex<T>>(faces)};
   const detail::TriangleInputs<T> in{.cot = geometry.cots().data(),
                                      .area = geometry.areas().data(),
                                      .curvature = connection.K.data(),
                                      .n = static_cast<T>(n)};
-  const detail::TriangleOutputs<T> out{.stiffness_diagonal = entries.stiffness_diagonal.get(),
-                                       .stiffness_off = entries.stiffness_off.get(),
-                                       .mass_off = entries.mass_off.get()};
+  const detail::TriangleOutputs<T> out{.stiffness_diagonal = entries.stiffness_diagonal.data(),
+                                       .stiffness_off = entries.stiffness_off.data(),
+                                       .mass_off = entries.mass_off.data()};
   parallel_ranges(mesh.faces(), sequential_below,
                   [&](std::int64_t begin, std::int64_t end) { detail::triangle_entries<T>(begin, end, in, out); });
   return entries;

@@ -5,19 +5,20 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
+
+#include "alcap/detail/unset_array.h"
 
 namespace alcap::detail {
 
 template <class T>
 class LargeArray {
  public:
-  explicit LargeArray(std::size_t count) : data_(std::make_unique_for_overwrite<T[]>(count)) {}
+  explicit LargeArray(std::size_t count) : data_(unset_array<T>(count)) {}
   T& operator[](std::size_t i) const { return data_[i]; }
   [[nodiscard]] T* data() const { return data_.get(); }
 
  private:
-  std::unique_ptr<T[]> data_;
+  UnsetArray<T> data_;
 };
 
 }  // namespace alcap::detail

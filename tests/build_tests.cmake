@@ -22,6 +22,13 @@ add_library(alcap_headers_alone OBJECT ${alcap_header_sources})
 alcap_private_flags(alcap_headers_alone)
 target_link_libraries(alcap_headers_alone PRIVATE alcap::alcap TBB::tbb)
 
+# What benchmarks are judged by: which differences count, and the table of targets.
+find_program(ALCAP_PYTHON python3)
+mark_as_advanced(ALCAP_PYTHON)
+if(ALCAP_PYTHON)
+  add_test(NAME bench_scripts COMMAND ${ALCAP_PYTHON} -B ${CMAKE_CURRENT_SOURCE_DIR}/bench_scripts.py)
+endif()
+
 # Users of the library: one finds it installed, one embeds its sources. Both inherit how this build was made.
 string(TOUPPER "${CMAKE_BUILD_TYPE}" config_upper)
 set(consumer_settings

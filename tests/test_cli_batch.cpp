@@ -53,6 +53,22 @@ TEST_CASE("every mesh has its line, in order; one that cannot be read or used is
   }
 }
 
+TEST_CASE("a name that is no UTF-8 stops neither the batch nor a single run") {
+  const CliFolder folder;
+  folder.write("a.ply", icosphere(1));
+  folder.write("m\xfc.ply", icosphere(1));
+  write_list(folder, "m\xfc.ply\nnot there \xfc.ply\na.ply\n");
+  const CliResult result = folder.run("field --batch list.txt -n 2 -o fields");
+  CHECK(result.exit == 5);
+  const std::vector<Json> lines = lines_of(result.out);
+  REQUIRE(lines.size() == 3);
+  CHECK(lines[0]["ok"] == true);
+  CHECK(lines[1]["error"]["kind"] == "input");
+  CHECK(lines[2]["ok"] == true);
+  CHECK(folder.run("field 'm\xfc.ply' -n 2 -o out").exit == 0);
+  CHECK(std::filesystem::exists(folder.work() / "out/report.json"));
+}
+
 TEST_CASE("with --json there is one object, with --lines the lines go to a file") {
   const CliFolder folder;
   folder.write("a.ply", icosphere(2));

@@ -179,6 +179,11 @@ TEST_CASE("a circle on a flat disk makes the field turn with it, and a straight 
     CHECK(std::abs(parallel.components[0].lambda) < 1e-10);
     CHECK(parallel.strokes[0].magnitude == doctest::Approx(1));
     CHECK(parallel.components[0].next > 1e-4);
+    // Multigrid learns only when it solves that the plain problem is singular.
+    const auto iterative =
+        s.design({{straight, 0.1}}, {.n = n, .eigen = {.solver = "multigrid"}, .path = EigenPath::low_rank});
+    CHECK(std::abs(iterative.components[0].lambda) < 1e-10);
+    CHECK(iterative.strokes[0].largest_degrees < 1e-3);
     // Without the offset term the two terms of the paper leave every constant field alone: which one comes out depends
     // on the start vector.
     const auto seeded = [&](double offset, std::uint64_t seed) {

@@ -309,9 +309,15 @@ TEST_CASE("auto: multigrid for a few solves of a large system, a factorisation o
   const auto solver = make_linear_solver<Z>({.right_hand_sides = 2});
   solver->analyse(small.shifted());
   CHECK(factorisation(solver->name()));
+  solver->set_transport(small.M);
   solver->analyse(large.shifted());
   CHECK(solver->name() == "multigrid");
-  Dense x(1, 1);
+  CHECK_THROWS_AS(solver->factorise(large.shifted()), SolveError);  // of another pattern: it did get there
+  solver->set_transport(large.M);
+  solver->factorise(large.shifted());
+  const Dense b = random_dense(large.S.rows(), 1, 1);
+  Dense x(b.rows(), 1);
+  CHECK(solver->solve(b, x).converged);
   CHECK_THROWS_AS(static_cast<void>(make_linear_solver<Z>()->solve(x, x)), SolveError);
 }
 

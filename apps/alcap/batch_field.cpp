@@ -98,7 +98,7 @@ class Lines {
     waiting_.emplace(i, std::move(line));
     for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.begin()) {
       if (out_ != nullptr) {
-        *out_ << first->second.dump() << "\n" << std::flush;
+        *out_ << text_of(first->second) << "\n" << std::flush;
         if (!*out_) throw Failure(Exit::output, "cannot write the lines of the batch");
       }
       if (keep_) kept_.push_back(std::move(first->second));
@@ -125,7 +125,7 @@ void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const MeshF
     name += "." + f;
     paths.push_back(choice.folder / name);
   }
-  (void)write_field(output_of(run, file.V), paths);
+  write_guarded([&] { (void)write_field(output_of(run, file.V), paths); });
 }
 
 /// The jobs share the cores among them. OpenBLAS, where it is what CHOLMOD calls, would start threads of its own in

@@ -22,6 +22,11 @@ namespace alcap::app {
 /// Keys keep the order in which they were set.
 using Json = nlohmann::ordered_json;
 
+/// As text, on one line or indented. Names of files need not be UTF-8: what is not is replaced.
+inline std::string text_of(const Json& json, int indent = -1) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
 /// What the shell gets. Part of the interface: docs/cli.md.
 enum class Exit {
   ok = 0,

@@ -123,7 +123,7 @@ void solve_variational(const DesignProblem& p, Progress& progress, SolvedDesign&
                {"rows", out.result.rows},
                {"residual", number(out.result.residual)},
                {"lambda", nullptr},
-               {"solver", p.solver}};
+               {"solver", out.result.solver}};
 }
 
 void solve_eigen(const DesignProblem& p, Progress& progress, SolvedDesign& out) {

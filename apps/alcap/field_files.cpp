@@ -62,7 +62,7 @@ void write_files(const OutputPlan& plan, const FilesChoice& choice, const FieldO
       for (const auto& path : write_field(output, paths)) add(path.filename());
       for (const std::string& name : extra(folder)) add(name);
       add("report.json");
-      write_text(folder / "report.json", finish(files).dump(2) + "\n");
+      write_text(folder / "report.json", text_of(finish(files), 2) + "\n");
     });
     return;
   }

@@ -33,7 +33,7 @@ std::string fill(std::string_view title, const Json& boot, std::string_view data
   out += html_escaped(title);
   append_until(out, rest, "{{boot}}");
   // "</script>" inside a string must not end the element.
-  std::string text = boot.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = text_of(boot);
   for (std::size_t k = text.find('<'); k != std::string::npos; k = text.find('<', k)) text.replace(k, 1, "\\u003c");
   out += text;
   append_until(out, rest, "{{data}}");

@@ -79,7 +79,7 @@ int complain(const std::string& command, bool json, Exit exit, const std::string
              const Json& details = Json::object()) {
   fmt::print(stderr, "alcap{}{}: {}\n", command.empty() ? "" : " ", command, message);
   if (json) {
-    const std::string text = error_report(command, exit, message, details).dump(2) + "\n";
+    const std::string text = text_of(error_report(command, exit, message, details), 2) + "\n";
     std::fwrite(text.data(), 1, text.size(), stdout);
   }
   return static_cast<int>(exit);
@@ -122,9 +122,9 @@ int run(const Command& command, const Common& common, const std::function<Outcom
     Outcome outcome;
     run_with_threads(common.threads, [&] { outcome = body(common, progress); });
     progress.clear();
-    if (!common.report.empty()) write_text(common.report, outcome.report.dump(2) + "\n");
+    if (!common.report.empty()) write_text(common.report, text_of(outcome.report, 2) + "\n");
     if (common.json) {
-      print(outcome.report.dump(2) + "\n");
+      print(text_of(outcome.report, 2) + "\n");
     } else if (!common.quiet) {
       print(outcome.text);
     }

@@ -75,7 +75,7 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
                [&](const std::string& url) {
                  // Said here and not at the end: there is no end.
                  if (common.json) {
-                   fmt::print("{}\n", Json{{"url", url}, {"design", file.string()}}.dump());
+                   fmt::print("{}\n", text_of(Json{{"url", url}, {"design", file.string()}}));
                  } else {
                    fmt::print("studio        {}\ndesign        {} (saved with every edit)\nCtrl-C ends it.\n", url,
                               file.string());

@@ -120,7 +120,7 @@ class Handlers {
                [this](const auto& request, auto& response) { state(request, response, session_.state()); });
     server.Get("/api/wait", [this](const auto& request, auto& response) {
       const Json body{{"revision", session_.wait(number_in(request, "known"), longest_wait)}};
-      response.set_content(body.dump(), "application/json");
+      response.set_content(text_of(body), "application/json");
     });
     server.Get("/api/details", [this](const auto& request, auto& response) {
       const StudioState now = session_.state();
@@ -154,8 +154,7 @@ class Handlers {
  private:
   static void answer(httplib::Response& response, int status, const std::string& message) {
     response.status = status;
-    response.set_content(Json{{"error", message}}.dump(-1, ' ', false, Json::error_handler_t::replace),
-                         "application/json");
+    response.set_content(text_of(Json{{"error", message}}), "application/json");
   }
 
   static void attach(httplib::Response& response, const std::string& content, const std::string& name,

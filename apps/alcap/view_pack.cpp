@@ -31,7 +31,7 @@ void ViewPack::append(const std::string& name, const char* type, std::string_vie
 }
 
 std::string ViewPack::bytes() const {
-  std::string header = Json{{"meta", meta}, {"arrays", arrays_}}.dump();
+  std::string header = text_of(Json{{"meta", meta}, {"arrays", arrays_}});
   pad(header, ' ');
   std::string out = "ALCAPPK1";
   const auto size = static_cast<std::uint32_t>(header.size());

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // batch.h: many meshes at once, each on one thread. For meshes of a few thousand triangles this is several times faster
-// than one mesh after the other on all threads, and the results are the same to the last bit.
+// than one mesh after the other on all threads, and the results are the same to the last bit. A BLAS with threads of
+// its own (OpenBLAS) should be set to one: meshes that are factorised would wait for each other.
 //
 //   alcap::run_batch(meshes.size(), {.field = {.n = 4}},
 //                    [&](alcap::Context& context, std::int64_t i) {

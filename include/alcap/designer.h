@@ -64,6 +64,7 @@ struct DesignResult {
   int rows = 0;                         ///< low-rank rows in this solve
   int solves = 0;                       ///< right-hand sides solved for by this call
   double residual = 0;                  ///< relative residual of the solution before the rows, recomputed
+  std::string solver;                   ///< the linear backend and its choices
   double seconds = 0;
 };
 

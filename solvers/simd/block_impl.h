@@ -106,7 +106,7 @@ void pencil(const RawPencil& A, long long begin, long long end, const float* x, 
       P sums[4][N];
       for (auto& sum : sums)
         for (P& lanes : sum) lanes = P(0.0);
-      for (int e = A.start[j]; e < A.start[j + 1]; ++e) {
+      for (long long e = A.start[j]; e < A.start[j + 1]; ++e) {
         const float* const from = x + 2 * K * static_cast<long long>(A.row[e]) + part;
         double z[width];
         for (int k = 0; k < width; ++k) z[k] = static_cast<double>(from[k]);
