@@ -106,7 +106,7 @@ class Refinement {
   /// The residual, its norm, lambda, and the products of x with itself, p and its neighbours.
   void residual() {
     float* const b = workspace_.b[0].data();
-    removed_ = {};
+    std::fill_n(removed_, K, false);
     // The Rayleigh quotient is only known behind the pass: the residual is that of the Ritz value, which is the same
     // but for rounding and, at the start, for the single precision of the neighbours.
     const double lambda = lambda_;
@@ -371,7 +371,7 @@ class Refinement {
   Dense S_, M_;          // Gram matrices of (x, w, p, neighbours)
   Dense old_S_, old_M_;  // products of the x before, with all
   complex<double> old_part_ = 0;
-  std::array<bool, K> removed_ = {};  // neighbours whose parts are out of the residual
+  bool removed_[K] = {};  // neighbours whose parts are out of the residual
   bool p_used_ = false;
   bool with_mates_ = true;
   double lambda_ = 0;
