@@ -42,7 +42,7 @@ set(also
   "^src/simd/ = energies"
   "^src/simd/correction = connection"
   "^include/alcap/detail/triangle_entries = energies"
-  "^include/alcap/detail/(isa|angles) = conventions"
+  "^include/alcap/detail/(isa|angles|unset_array) = conventions"
   "^include/alcap/detail/atomic_file = errors"
   "^include/alcap/detail/random = conventions")
 # What each part may include, besides the standard library and itself: alcap headers (by the order above), folders,
