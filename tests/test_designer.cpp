@@ -245,7 +245,8 @@ TEST_CASE("a design solved once: multigrid gives the field of the factorisation,
     // A flat disk has parallel fields.
     CHECK_THROWS_AS((void)flat.designer({.n = 1, .right_hand_sides = right_hand_sides}), OptionError);
   }
-  CHECK(results[1].residual > 100 * results[0].residual);  // multigrid ends at its tolerance
+  CHECK(results[0].solver != "multigrid");
+  CHECK(results[1].solver == "multigrid");
   CHECK((results[0].field.u - results[1].field.u).norm() <= 1e-7 * results[0].field.u.norm());
 }
 

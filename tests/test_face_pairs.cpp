@@ -182,6 +182,7 @@ TEST_CASE("all instruction sets give the same bits") {
   const detail::FacePairs faces = detail::pair_faces(mesh, geometry);
   REQUIRE(faces.singles > 0);
   std::vector<std::array<float, 3>> first;
+  std::vector<double> first_relaxed;
   for (const detail::Isa isa : detail::available_isas()) {
     const auto coefficients = [&](const Index(&some)[detail::simd::group_size], detail::simd::FaceGroup& c) {
       detail::simd::FaceShapes shapes;
@@ -194,6 +195,25 @@ TEST_CASE("all instruction sets give the same bits") {
       }
       detail::simd::group_loops(isa).coefficients(shapes, 10.0, c);
     };
+    // The faces 0 to 7 and 8 to 15, for the relaxation alone whether they are neighbours or not.
+    detail::simd::FaceGroup group[2];
+    for (Index side = 0; side < 2; ++side) {
+      Index some[detail::simd::group_size];
+      for (Index l = 0; l < detail::simd::group_size; ++l) some[l] = 3 * (detail::simd::group_size * side + l);
+      coefficients(some, group[side]);
+    }
+    const detail::simd::GroupLoops loops = detail::simd::group_loops(isa);
+    detail::simd::GroupArray seen[2][3][3], moved[2][3], between[6], turned[3];
+    for (int k = 0; k < 2 * 9 * detail::simd::group_size; ++k) (&seen[0][0][0][0])[k] = std::sin(0.7 * k);
+    loops.between(group, between);
+    loops.relax_pair(group, between, seen, moved, turned);
+    loops.relax(group[0], seen[0], moved[0]);
+    std::vector<double> relaxed(&seen[0][0][0][0], &seen[0][0][0][0] + 2 * 9 * detail::simd::group_size);
+    relaxed.insert(relaxed.end(), &moved[0][0][0], &moved[0][0][0] + 2 * 3 * detail::simd::group_size);
+    relaxed.insert(relaxed.end(), &turned[0][0], &turned[0][0] + 3 * detail::simd::group_size);
+    if (isa == detail::Isa::scalar) first_relaxed = relaxed;
+    CHECK(relaxed == first_relaxed);
+    CHECK(std::all_of(relaxed.begin(), relaxed.end(), [](double v) { return std::isfinite(v); }));
     detail::CorrectionSystem<float> system(mesh, faces, coefficients, false, detail::NoVisitor{}, isa);
     const double square = system.start([&](Index i) {
       return std::array<double, 3>{std::sin(1.0 * i), std::sin(2.0 * i), std::sin(3.0 * i)};

@@ -49,8 +49,8 @@ struct DesignerOptions {
   OperatorKind kind = OperatorKind::triangle;
   int largest_rank = 256;       // rows of strokes kept as an update; beyond, refactorising is cheaper
   std::string solver = "auto";  // linear backend
-  /// As SolverOptions::right_hand_sides, for a design that is solved once: one for all
-  /// targets and one for each pin and vertex. 0: controls will come and go.
+  /// As SolverOptions::right_hand_sides, for a design that is solved once: one for all targets and one for each pin and
+  /// vertex. 0: controls will come and go.
   int right_hand_sides = 0;
   /// Called on the calling thread when a phase starts: "assembly", "analyse", "factorise", "rows" (several times),
   /// "solve", "analysis". An exception thrown here ends the call and reaches the caller; the designer stays as it was
