@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // face_edges.cpp: edges of a bag of triangles by bucketing halfedges at the smaller of their vertices.
-#include "face_edges.h"
+#include "src/face_edges.h"
 
 #include <algorithm>
 

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "face_edges.h"
+#include "src/face_edges.h"
 
 namespace alcap {
 namespace {

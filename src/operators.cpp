@@ -9,7 +9,7 @@
 #include "alcap/parallel.h"
 #include "kernels/basis.h"
 #include "kernels/edge_operators.h"
-#include "triangle_frame.h"
+#include "src/triangle_frame.h"
 
 namespace alcap {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mesh_helpers.h"
+#include "tests/mesh_helpers.h"
 
 namespace alcap::test {
 

@@ -12,7 +12,7 @@
 #include "alcap/detail/random.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
-#include "mesh_case.h"
+#include "tests/mesh_case.h"
 
 namespace alcap::test {
 

@@ -10,7 +10,7 @@
 #include "alcap/detail/random.h"
 #include "alcap/energies.h"
 #include "alcap/solve.h"
-#include "mesh_case.h"
+#include "tests/mesh_case.h"
 
 namespace alcap::test {
 

@@ -9,7 +9,7 @@
 
 #include "alcap/designer.h"
 #include "alcap/generators.h"
-#include "mesh_case.h"
+#include "tests/mesh_case.h"
 
 using namespace alcap;
 

@@ -11,8 +11,8 @@
 
 #include "alcap/connection.h"
 #include "alcap/solve.h"
-#include "mesh_families.h"
-#include "solver_fixture.h"
+#include "tests/mesh_families.h"
+#include "tests/solver_fixture.h"
 
 using namespace alcap;
 using namespace alcap::test;

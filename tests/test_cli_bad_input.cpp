@@ -4,7 +4,7 @@
 // element and the remedy, the same as JSON, and leaves nothing behind; what can work, works.
 #include <doctest/doctest.h>
 
-#include "cli_runner.h"
+#include "tests/cli_runner.h"
 
 using namespace alcap;
 using test::CliFolder;

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "cli_runner.h"
+#include "tests/cli_runner.h"
 
 using namespace alcap;
 using test::CliFolder;

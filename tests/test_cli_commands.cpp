@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "alcap/version.h"
-#include "cli_runner.h"
+#include "tests/cli_runner.h"
 
 using namespace alcap;
 using test::CliFolder;

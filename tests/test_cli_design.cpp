@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "alcap/output.h"
-#include "cli_runner.h"
+#include "tests/cli_runner.h"
 
 using namespace alcap;
 using test::CliFolder;

@@ -8,7 +8,7 @@
 #include <map>
 
 #include "alcap/output.h"
-#include "cli_runner.h"
+#include "tests/cli_runner.h"
 
 using namespace alcap;
 using test::CliFolder;

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "cli_runner.h"
+#include "tests/cli_runner.h"
 
 namespace alcap::test {
 namespace {

@@ -8,7 +8,7 @@
 #include "alcap/design.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
-#include "mesh_helpers.h"
+#include "tests/mesh_helpers.h"
 
 using namespace alcap;
 

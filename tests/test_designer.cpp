@@ -9,7 +9,7 @@
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
-#include "mesh_case.h"
+#include "tests/mesh_case.h"
 
 using namespace alcap;
 

@@ -10,8 +10,8 @@
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
-#include "mesh_case.h"
-#include "mesh_helpers.h"
+#include "tests/mesh_case.h"
+#include "tests/mesh_helpers.h"
 
 using namespace alcap;
 

@@ -9,7 +9,7 @@
 #include "alcap/operators.h"
 #include "alcap/parallel.h"
 #include "alcap/singularities.h"
-#include "mesh_case.h"
+#include "tests/mesh_case.h"
 
 using namespace alcap;
 

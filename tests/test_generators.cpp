@@ -8,7 +8,7 @@
 #include "alcap/generators.h"
 #include "alcap/mesh_check.h"
 #include "alcap/topology.h"
-#include "mesh_helpers.h"
+#include "tests/mesh_helpers.h"
 
 using namespace alcap;
 

@@ -9,7 +9,7 @@
 
 #include "kernels/exp_divided_differences.h"
 #include "kernels/exp_integrals.h"
-#include "kernels_reference.h"
+#include "tests/kernels_reference.h"
 
 using namespace alcap::kernels;
 using reference::C;

@@ -11,7 +11,7 @@
 #include "kernels/edge_operators.h"
 #include "kernels/stiffness_mass.h"
 #include "kernels/triangle_operators.h"
-#include "kernels_reference.h"
+#include "tests/kernels_reference.h"
 
 using namespace alcap::kernels;
 using reference::C;

@@ -9,7 +9,7 @@
 #include "alcap/mesh.h"
 #include "alcap/mesh_check.h"
 #include "alcap/parallel.h"
-#include "mesh_helpers.h"
+#include "tests/mesh_helpers.h"
 
 using namespace alcap;
 using namespace alcap::test;

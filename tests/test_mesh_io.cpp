@@ -13,7 +13,7 @@
 #include <limits>
 #include <set>
 
-#include "mesh_files.h"
+#include "tests/mesh_files.h"
 
 using namespace alcap;
 using mesh_files::encode;

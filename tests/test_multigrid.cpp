@@ -12,7 +12,7 @@
 #include "alcap/generators.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
-#include "solver_fixture.h"
+#include "tests/solver_fixture.h"
 
 using namespace alcap;
 using namespace alcap::test;

@@ -15,8 +15,8 @@
 #include "alcap/generators.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
-#include "mesh_helpers.h"
-#include "solver_fixture.h"
+#include "tests/mesh_helpers.h"
+#include "tests/solver_fixture.h"
 
 using namespace alcap;
 using namespace alcap::test;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // First-order operators: closed forms against quadrature of the interpolated field, Stokes, and invariances.
-#include "operators_fixture.h"
+#include "tests/operators_fixture.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // First-order operators against known values: flat pieces, the sphere, the Euler characteristic; adjoint, scale, float.
-#include "operators_fixture.h"
+#include "tests/operators_fixture.h"
 
 #include <doctest/doctest.h>
 

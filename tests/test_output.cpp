@@ -14,7 +14,7 @@
 #include <sstream>
 
 #include "alcap/parallel.h"
-#include "output_fixture.h"
+#include "tests/output_fixture.h"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include <csignal>
 #include <cstring>
 
-#include "output_fixture.h"
+#include "tests/output_fixture.h"
 
 using namespace alcap;
 using namespace alcap::test;

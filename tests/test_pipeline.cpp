@@ -7,7 +7,7 @@
 
 #include "alcap/parallel.h"
 #include "alcap/pipeline.h"
-#include "output_fixture.h"
+#include "tests/output_fixture.h"
 
 using namespace alcap;
 using namespace alcap::test;

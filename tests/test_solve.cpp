@@ -15,7 +15,7 @@
 #include "alcap/memory.h"
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
-#include "solver_fixture.h"
+#include "tests/solver_fixture.h"
 
 using namespace alcap;
 using namespace alcap::test;

@@ -20,7 +20,7 @@
 #include "alcap/generators.h"
 #include "alcap/pipeline.h"
 #include "alcap/solve.h"
-#include "solver_fixture.h"
+#include "tests/solver_fixture.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define ALCAP_TEST_ALLOCATOR

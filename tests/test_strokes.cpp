@@ -9,8 +9,8 @@
 #include "alcap/detail/random.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
-#include "mesh_case.h"
-#include "mesh_helpers.h"
+#include "tests/mesh_case.h"
+#include "tests/mesh_helpers.h"
 
 using namespace alcap;
 

@@ -5,7 +5,7 @@
 #include "alcap/design.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
-#include "mesh_case.h"
+#include "tests/mesh_case.h"
 
 using namespace alcap;
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // batch_field.cpp: `alcap field --batch LIST`. A mesh that fails is a line of the report, not the end of the run.
-#include "batch_field.h"
+#include "apps/alcap/batch_field.h"
 
 #include <dlfcn.h>
 #include <fmt/core.h>
@@ -18,8 +18,8 @@
 
 #include "alcap/batch.h"
 #include "alcap/memory.h"
-#include "field_files.h"
-#include "report.h"
+#include "apps/alcap/field_files.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "shared_options.h"
+#include "apps/alcap/shared_options.h"
 
 namespace alcap::app {
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "progress.h"
+#include "apps/alcap/progress.h"
 
 namespace CLI {  // NOLINT(readability-identifier-naming): the library's name
 class App;

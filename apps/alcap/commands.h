@@ -4,7 +4,7 @@
 // name_command.cpp.
 #pragma once
 
-#include "command.h"
+#include "apps/alcap/command.h"
 
 #define ALCAP_COMMANDS(X) \
   X(field)                \

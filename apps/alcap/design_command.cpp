@@ -10,13 +10,13 @@
 #include <memory>
 
 #include "alcap/memory.h"
-#include "commands.h"
-#include "design_options.h"
-#include "design_report.h"
-#include "design_solve.h"
-#include "field_files.h"
-#include "report.h"
-#include "shared_options.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/design_options.h"
+#include "apps/alcap/design_report.h"
+#include "apps/alcap/design_solve.h"
+#include "apps/alcap/field_files.h"
+#include "apps/alcap/report.h"
+#include "apps/alcap/shared_options.h"
 
 namespace alcap::app {
 namespace {

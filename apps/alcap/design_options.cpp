@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // design_options.cpp: the flags of `alcap design`.
-#include "design_options.h"
+#include "apps/alcap/design_options.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "shared_options.h"
+#include "apps/alcap/shared_options.h"
 
 namespace alcap::app {
 namespace {

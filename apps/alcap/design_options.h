@@ -11,7 +11,7 @@
 
 #include "alcap/design_file.h"
 #include "alcap/pipeline.h"
-#include "command.h"
+#include "apps/alcap/command.h"
 
 namespace alcap::app {
 

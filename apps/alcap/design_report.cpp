@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // design_report.cpp: what was asked of a design and what came of it.
-#include "design_report.h"
+#include "apps/alcap/design_report.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include <complex>
 
 #include "alcap/operators.h"
-#include "report.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "design_solve.h"
+#include "apps/alcap/design_solve.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include "alcap/alignment.h"
 #include "alcap/eigen_design.h"
 #include "alcap/output.h"
-#include "report.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

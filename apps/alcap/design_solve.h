@@ -10,8 +10,8 @@
 #include "alcap/design_file.h"
 #include "alcap/mesh_io.h"
 #include "alcap/pipeline.h"
-#include "command.h"
-#include "progress.h"
+#include "apps/alcap/command.h"
+#include "apps/alcap/progress.h"
 
 namespace alcap::app {
 

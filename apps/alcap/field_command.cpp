@@ -10,14 +10,14 @@
 #include <span>
 
 #include "alcap/memory.h"
-#include "batch_field.h"
-#include "commands.h"
-#include "field_files.h"
-#include "html_page.h"
-#include "png_picture.h"
-#include "report.h"
-#include "shared_options.h"
-#include "view_scene.h"
+#include "apps/alcap/batch_field.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/field_files.h"
+#include "apps/alcap/html_page.h"
+#include "apps/alcap/png_picture.h"
+#include "apps/alcap/report.h"
+#include "apps/alcap/shared_options.h"
+#include "apps/alcap/view_scene.h"
 
 namespace alcap::app {
 namespace {

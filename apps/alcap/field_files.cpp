@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "field_files.h"
+#include "apps/alcap/field_files.h"
 
 #include <fmt/format.h>
 

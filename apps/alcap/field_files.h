@@ -10,7 +10,7 @@
 
 #include "alcap/output.h"
 #include "alcap/pipeline.h"
-#include "outputs.h"
+#include "apps/alcap/outputs.h"
 
 namespace alcap::app {
 

@@ -2,7 +2,7 @@
 //
 // html_page.cpp: fills the embedded page. The page holds three marks: its title, what it is to do ("boot", JSON), and
 // its data (base64 text, so that no parser looks at numbers).
-#include "html_page.h"
+#include "apps/alcap/html_page.h"
 
 #include <algorithm>
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "command.h"
-#include "view_pack.h"
+#include "apps/alcap/command.h"
+#include "apps/alcap/view_pack.h"
 
 namespace alcap::app {
 

@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "alcap/mesh_check.h"
-#include "commands.h"
-#include "report.h"
-#include "shared_options.h"
-#include "statistics.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/report.h"
+#include "apps/alcap/shared_options.h"
+#include "apps/alcap/statistics.h"
 
 namespace alcap::app {
 namespace {

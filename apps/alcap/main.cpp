@@ -22,9 +22,9 @@
 #include "alcap/parallel.h"
 #include "alcap/solve.h"
 #include "alcap/version.h"
-#include "commands.h"
-#include "outputs.h"
-#include "report.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/outputs.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

@@ -10,9 +10,9 @@
 #include <memory>
 
 #include "alcap/generators.h"
-#include "commands.h"
-#include "outputs.h"
-#include "report.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/outputs.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

@@ -13,10 +13,10 @@
 #include "alcap/memory.h"
 #include "alcap/operators.h"
 #include "alcap/output.h"
-#include "commands.h"
-#include "outputs.h"
-#include "report.h"
-#include "shared_options.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/outputs.h"
+#include "apps/alcap/report.h"
+#include "apps/alcap/shared_options.h"
 
 namespace alcap::app {
 namespace {

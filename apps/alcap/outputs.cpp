@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // outputs.cpp: output files and folders that are complete or not there.
-#include "outputs.h"
+#include "apps/alcap/outputs.h"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@
 
 #include "alcap/detail/atomic_file.h"
 #include "alcap/errors.h"
-#include "report.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <vector>
 
-#include "command.h"
+#include "apps/alcap/command.h"
 
 namespace alcap::app {
 

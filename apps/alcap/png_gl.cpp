@@ -2,13 +2,13 @@
 //
 // png_gl.cpp: an OpenGL ES context without a window, and its objects.
 #ifdef ALCAP_WITH_PICTURES
-#include "png_gl.h"
+#include "apps/alcap/png_gl.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <fmt/core.h>
 
-#include "command.h"
+#include "apps/alcap/command.h"
 
 namespace alcap::app::gl {
 namespace {

@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "outputs.h"
-#include "png_picture.h"
+#include "apps/alcap/outputs.h"
+#include "apps/alcap/png_picture.h"
 
 namespace alcap::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // png_picture.cpp: the passes of a picture, from depths and normals to occlusion, colours and the file.
-#include "png_picture.h"
+#include "apps/alcap/png_picture.h"
 
 #include <fmt/core.h>
 
@@ -9,15 +9,15 @@
 #include <cmath>
 #include <memory>
 
-#include "command.h"
-#include "outputs.h"
+#include "apps/alcap/command.h"
+#include "apps/alcap/outputs.h"
 
 #ifdef ALCAP_WITH_PICTURES
 #include <png.h>
 
-#include "png_gl.h"
-#include "png_scene.h"
-#include "png_shaders.h"
+#include "apps/alcap/png_gl.h"
+#include "apps/alcap/png_scene.h"
+#include "apps/alcap/png_shaders.h"
 #endif
 
 namespace alcap::app {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // png_scene.cpp: meshes, curves and singularities as triangles.
-#include "png_scene.h"
+#include "apps/alcap/png_scene.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

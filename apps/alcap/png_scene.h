@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "png_picture.h"
+#include "apps/alcap/png_picture.h"
 
 namespace alcap::app {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // progress.cpp: a line that is redrawn when the phase changes and five times a second.
-#include "progress.h"
+#include "apps/alcap/progress.h"
 
 #include <fmt/core.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // report.cpp: results as JSON.
-#include "report.h"
+#include "apps/alcap/report.h"
 
 #include <fmt/core.h>
 

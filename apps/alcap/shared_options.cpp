@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // shared_options.cpp: groups of options that several subcommands have.
-#include "shared_options.h"
+#include "apps/alcap/shared_options.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -9,7 +9,7 @@
 
 #include "alcap/mesh_io.h"
 #include "alcap/pipeline.h"
-#include "command.h"
+#include "apps/alcap/command.h"
 
 namespace alcap::app {
 

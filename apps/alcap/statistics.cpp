@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // statistics.cpp: counts and ranges of any list of triangles.
-#include "statistics.h"
+#include "apps/alcap/statistics.h"
 
 #include <algorithm>
 #include <cmath>

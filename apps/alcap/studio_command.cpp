@@ -9,11 +9,11 @@
 #include <memory>
 
 #include "alcap/detail/atomic_file.h"
-#include "commands.h"
-#include "html_page.h"
-#include "outputs.h"
-#include "shared_options.h"
-#include "studio_server.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/html_page.h"
+#include "apps/alcap/outputs.h"
+#include "apps/alcap/shared_options.h"
+#include "apps/alcap/studio_server.h"
 
 namespace alcap::app {
 namespace {

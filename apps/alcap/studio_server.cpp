@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_server.cpp: requests and answers. Compiled with cpp-httplib where it is installed.
-#include "studio_server.h"
+#include "apps/alcap/studio_server.h"
 
 #include <fmt/core.h>
 
@@ -15,8 +15,8 @@
 #include <random>
 
 #include "alcap/output.h"
-#include "html_page.h"
-#include "report.h"
+#include "apps/alcap/html_page.h"
+#include "apps/alcap/report.h"
 
 namespace alcap::app {
 namespace {

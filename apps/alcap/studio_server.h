@@ -10,7 +10,7 @@
 #include <functional>
 #include <string>
 
-#include "studio_session.h"
+#include "apps/alcap/studio_session.h"
 
 namespace alcap::app {
 

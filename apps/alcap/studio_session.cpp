@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_session.cpp: history and saving. Steps keep their results, so that going back is exact and costs nothing.
-#include "studio_session.h"
+#include "apps/alcap/studio_session.h"
 
 #include "alcap/errors.h"
-#include "outputs.h"
+#include "apps/alcap/outputs.h"
 
 namespace alcap::app {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "studio_solver.h"
+#include "apps/alcap/studio_solver.h"
 
 namespace alcap::app {
 

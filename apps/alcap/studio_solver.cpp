@@ -3,7 +3,7 @@
 // studio_solver.cpp: three stages, each with the text of the part of the design that it depends on: connection, field
 // to stay close to, designer. A stage is made anew when its text changes, and so are those after it. Within the
 // designer, controls are compared one by one.
-#include "studio_solver.h"
+#include "apps/alcap/studio_solver.h"
 
 #include <chrono>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "alcap/design.h"
 #include "alcap/designer.h"
 #include "alcap/pipeline.h"
-#include "design_options.h"
+#include "apps/alcap/design_options.h"
 
 namespace alcap::app {
 namespace {

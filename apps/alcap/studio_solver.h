@@ -13,8 +13,8 @@
 #include "alcap/design_file.h"
 #include "alcap/singularities.h"
 #include "alcap/topology.h"
-#include "command.h"
-#include "view_scene.h"
+#include "apps/alcap/command.h"
+#include "apps/alcap/view_scene.h"
 
 namespace alcap::app {
 

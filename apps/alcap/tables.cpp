@@ -2,7 +2,7 @@
 //
 // tables.cpp: measures operator and energy errors of smooth fields on spheres. All fields are columns of one matrix; a
 // field is complex linear in its coefficients and so are P u and its exact value, div + i curl = -sqrt(l(l+1)) c Y.
-#include "tables.h"
+#include "apps/alcap/tables.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -16,8 +16,8 @@
 #include "alcap/generators.h"
 #include "alcap/operators.h"
 #include "alcap/parallel.h"
-#include "tables_harmonics.h"
-#include "tables_published.h"
+#include "apps/alcap/tables_harmonics.h"
+#include "apps/alcap/tables_published.h"
 
 namespace alcap::app {
 namespace {

@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "alcap/memory.h"
-#include "commands.h"
-#include "report.h"
-#include "tables.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/report.h"
+#include "apps/alcap/tables.h"
 
 namespace alcap::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // tables_harmonics.cpp: Y_lm = N_lm (d^m P_l / dz^m)(z) Re or Im of (x + iy)^m, polynomials in x, y, z.
-#include "tables_harmonics.h"
+#include "apps/alcap/tables_harmonics.h"
 
 #include <complex>
 #include <numbers>

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <ostream>
 
-#include "tables.h"
+#include "apps/alcap/tables.h"
 
 namespace alcap::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // tables_published.cpp: LTGD 2016, Tables I and II, copied digit by digit.
-#include "tables_published.h"
+#include "apps/alcap/tables_published.h"
 
 #include <limits>
 

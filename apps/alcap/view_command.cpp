@@ -11,13 +11,13 @@
 
 #include "alcap/memory.h"
 #include "alcap/output.h"
-#include "commands.h"
-#include "html_page.h"
-#include "outputs.h"
-#include "png_picture.h"
-#include "report.h"
-#include "shared_options.h"
-#include "view_scene.h"
+#include "apps/alcap/commands.h"
+#include "apps/alcap/html_page.h"
+#include "apps/alcap/outputs.h"
+#include "apps/alcap/png_picture.h"
+#include "apps/alcap/report.h"
+#include "apps/alcap/shared_options.h"
+#include "apps/alcap/view_scene.h"
 
 namespace alcap::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // view_pack.cpp: arrays and JSON as one run of bytes, and those bytes as text.
-#include "view_pack.h"
+#include "apps/alcap/view_pack.h"
 
 #include <bit>
 #include <vector>

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "command.h"
+#include "apps/alcap/command.h"
 
 namespace alcap::app {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // view_scene.cpp: a result as the arrays that the page shows.
-#include "view_scene.h"
+#include "apps/alcap/view_scene.h"
 
 #include <fmt/core.h>
 

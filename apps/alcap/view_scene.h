@@ -16,7 +16,7 @@
 
 #include "alcap/field.h"
 #include "alcap/singularities.h"
-#include "view_pack.h"
+#include "apps/alcap/view_pack.h"
 
 namespace alcap::app {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // builder.cpp: from vertices and faces in file order to a MeshFile.
-#include "io/builder.h"
+#include "src/io/builder.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "io/triangulate.h"
+#include "src/io/triangulate.h"
 
 namespace alcap::detail {
 namespace {

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "alcap/mesh_io.h"
-#include "io/source.h"
+#include "src/io/source.h"
 
 namespace alcap::detail {
 

@@ -7,7 +7,7 @@
 
 #include "alcap/detail/atomic_file.h"
 #include "alcap/mesh_io.h"
-#include "io/source.h"
+#include "src/io/source.h"
 
 namespace alcap::detail {
 

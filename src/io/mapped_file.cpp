@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // mapped_file.cpp: mmap for regular files, read for pipes.
-#include "io/mapped_file.h"
+#include "src/io/mapped_file.h"
 
 #include <fcntl.h>
 #include <sys/mman.h>

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 
-#include "io/builder.h"
-#include "io/format.h"
-#include "io/tokenizer.h"
+#include "src/io/builder.h"
+#include "src/io/format.h"
+#include "src/io/tokenizer.h"
 
 namespace alcap::detail {
 namespace {

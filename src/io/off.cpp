@@ -2,9 +2,9 @@
 //
 // off.cpp: Object File Format of Geomview, text, three dimensions: OFF, COFF, NOFF, STOFF and their combinations. One
 // vertex and one face per line; what follows the three coordinates or the corners (colours, normals) is skipped.
-#include "io/builder.h"
-#include "io/format.h"
-#include "io/tokenizer.h"
+#include "src/io/builder.h"
+#include "src/io/format.h"
+#include "src/io/tokenizer.h"
 
 namespace alcap::detail {
 namespace {

@@ -4,10 +4,10 @@
 // property or element, of any type and in any order, is stepped over.
 #include <array>
 
-#include "io/builder.h"
-#include "io/bytes.h"
-#include "io/format.h"
-#include "io/ply_body.h"
+#include "src/io/builder.h"
+#include "src/io/bytes.h"
+#include "src/io/format.h"
+#include "src/io/ply_body.h"
 
 namespace alcap::detail {
 namespace {

@@ -13,9 +13,9 @@
 #include <cstdint>
 #include <string>
 
-#include "io/bytes.h"
-#include "io/ply_header.h"
-#include "io/tokenizer.h"
+#include "src/io/bytes.h"
+#include "src/io/ply_header.h"
+#include "src/io/tokenizer.h"
 
 namespace alcap::detail {
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // ply_header.cpp: parses the header lines of a PLY file.
-#include "io/ply_header.h"
+#include "src/io/ply_header.h"
 
 #include <algorithm>
 #include <array>
 
-#include "io/tokenizer.h"
+#include "src/io/tokenizer.h"
 
 namespace alcap::detail {
 namespace {

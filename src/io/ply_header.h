@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "io/source.h"
+#include "src/io/source.h"
 
 namespace alcap::detail {
 

@@ -6,8 +6,8 @@
 #include <charconv>
 
 #include "alcap/mesh_io.h"
-#include "io/format.h"
-#include "io/mapped_file.h"
+#include "src/io/format.h"
+#include "src/io/mapped_file.h"
 
 namespace alcap {
 namespace detail {

@@ -14,7 +14,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "io/bytes.h"
+#include "src/io/bytes.h"
 
 namespace alcap::detail {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // source.cpp: error messages of the readers.
-#include "io/source.h"
+#include "src/io/source.h"
 
 #include <limits>
 

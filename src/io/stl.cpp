@@ -6,11 +6,11 @@
 #include <array>
 #include <cmath>
 
-#include "io/builder.h"
-#include "io/bytes.h"
-#include "io/format.h"
-#include "io/tokenizer.h"
-#include "io/weld.h"
+#include "src/io/builder.h"
+#include "src/io/bytes.h"
+#include "src/io/format.h"
+#include "src/io/tokenizer.h"
+#include "src/io/weld.h"
 
 namespace alcap::detail {
 namespace {

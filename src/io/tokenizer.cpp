@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // tokenizer.cpp: why a token is no number.
-#include "io/tokenizer.h"
+#include "src/io/tokenizer.h"
 
 #include <algorithm>
 

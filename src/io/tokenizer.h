@@ -15,7 +15,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "io/source.h"
+#include "src/io/source.h"
 
 namespace alcap::detail {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // triangulate.cpp: fan when it is good, ears otherwise.
-#include "io/triangulate.h"
+#include "src/io/triangulate.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

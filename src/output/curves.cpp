@@ -5,7 +5,7 @@
 #include <array>
 
 #include "alcap/output.h"
-#include "output/polydata.h"
+#include "src/output/polydata.h"
 
 namespace alcap {
 namespace {

@@ -3,8 +3,8 @@
 // ply.cpp: the mesh with the field at its vertices, binary little endian, everything in double: what read_ply.cpp reads
 // back bit for bit. Programs that know only meshes see a mesh with normals.
 #include "alcap/version.h"
-#include "output/format.h"
-#include "output/rows.h"
+#include "src/output/format.h"
+#include "src/output/rows.h"
 #include "src/branches.h"
 
 namespace alcap::detail {

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "output/rows.h"
+#include "src/output/rows.h"
 
 namespace alcap::detail {
 

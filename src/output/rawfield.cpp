@@ -10,8 +10,8 @@
 #include <cstring>
 #include <vector>
 
-#include "output/format.h"
-#include "output/rows.h"
+#include "src/output/format.h"
+#include "src/output/rows.h"
 #include "src/branches.h"
 
 namespace alcap::detail {

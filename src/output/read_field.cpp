@@ -8,10 +8,10 @@
 
 #include "alcap/mesh_io.h"
 #include "alcap/parallel.h"
-#include "io/bytes.h"
-#include "io/mapped_file.h"
-#include "io/ply_header.h"
-#include "output/format.h"
+#include "src/io/bytes.h"
+#include "src/io/mapped_file.h"
+#include "src/io/ply_header.h"
+#include "src/output/format.h"
 
 namespace alcap {
 namespace detail {

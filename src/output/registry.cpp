@@ -8,7 +8,7 @@
 
 #include "alcap/output.h"
 #include "alcap/parallel.h"
-#include "output/format.h"
+#include "src/output/format.h"
 
 namespace alcap {
 namespace detail {

@@ -3,8 +3,8 @@
 // rosy.cpp: rotationally symmetric direction fields as vcglib reads them: the number of faces, n, then one direction
 // per face. The other n - 1 follow by turning about the normal, so only branch 0 is written, with unit length; zero
 // where the field is.
-#include "output/format.h"
-#include "output/rows.h"
+#include "src/output/format.h"
+#include "src/output/rows.h"
 #include "src/branches.h"
 
 namespace alcap::detail {

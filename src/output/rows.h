@@ -15,8 +15,8 @@
 
 #include "alcap/detail/atomic_file.h"
 #include "alcap/parallel.h"
-#include "io/bytes.h"
-#include "io/shortest.h"
+#include "src/io/bytes.h"
+#include "src/io/shortest.h"
 
 namespace alcap::detail {
 

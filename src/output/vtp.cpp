@@ -2,8 +2,8 @@
 //
 // vtp.cpp: VTK's XML PolyData with raw appended data: the surface with the field, and beside it the singularities as
 // points. Field data "n" holds the number of branches.
-#include "output/format.h"
-#include "output/polydata.h"
+#include "src/output/format.h"
+#include "src/output/polydata.h"
 #include "src/branches.h"
 
 namespace alcap::detail {
