@@ -8,9 +8,8 @@ include(CMakePackageConfigHelpers)
 set(alcap_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/alcap)
 target_include_directories(alcap PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 install(TARGETS alcap EXPORT alcapTargets)
-# parallel.h stays at home: it includes TBB, which users of the library need not have the headers of.
 install(DIRECTORY include/alcap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.h" PATTERN parallel.h EXCLUDE)
+  FILES_MATCHING PATTERN "*.h")
 install(EXPORT alcapTargets NAMESPACE alcap:: DESTINATION ${alcap_package_dir})
 configure_package_config_file(cmake/alcapConfig.cmake.in ${PROJECT_BINARY_DIR}/alcapConfig.cmake
   INSTALL_DESTINATION ${alcap_package_dir}

@@ -30,7 +30,6 @@ endfunction()
 add_library(alcap::alcap ALIAS alcap)
 alcap_private_flags(alcap)
 target_compile_features(alcap PUBLIC cxx_std_20)
-target_include_directories(alcap PRIVATE ${PROJECT_SOURCE_DIR}/src)
 target_include_directories(alcap PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>)
 target_link_libraries(alcap
   PUBLIC Eigen3::Eigen
@@ -38,7 +37,6 @@ target_link_libraries(alcap
   $<BUILD_INTERFACE:alcap_dep_JSON>)
 target_compile_definitions(alcap PRIVATE ALCAP_VERSION="${PROJECT_VERSION}")
 if(ALCAP_WITH_CHOLMOD)
-  target_sources(alcap PRIVATE solvers/cholmod.cpp)
   target_link_libraries(alcap PRIVATE CHOLMOD::CHOLMOD)
   target_compile_definitions(alcap PRIVATE ALCAP_WITH_CHOLMOD)
 endif()

@@ -25,7 +25,7 @@
 
 #include "alcap/connection.h"
 #include "alcap/energies.h"
-#include "alcap/parallel.h"
+#include "src/base/parallel.h"
 #include "alcap/solve.h"
 #include "perf/spheres.h"
 

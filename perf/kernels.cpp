@@ -7,7 +7,7 @@
 #include <cstring>
 #include <utility>
 
-#include "alcap/detail/triangle_entries.h"
+#include "src/simd/triangle_entries.h"
 #include "kernels/edge_operators.h"
 #include "kernels/whitney.h"
 #include "perf/common.h"

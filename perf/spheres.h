@@ -10,7 +10,7 @@
 #include <map>
 #include <utility>
 
-#include "alcap/detail/random.h"
+#include "src/base/random.h"
 #include "alcap/generators.h"
 
 namespace alcap::perf {

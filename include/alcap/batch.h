@@ -16,7 +16,7 @@
 #include <exception>
 #include <functional>
 
-#include "alcap/pipeline.h"
+#include "alcap/field_run.h"
 
 namespace alcap {
 

@@ -48,6 +48,10 @@ using VectorX = Eigen::Matrix<T, Eigen::Dynamic, 1>;
 template <class T>
 using ComplexVectorX = Eigen::Matrix<std::complex<T>, Eigen::Dynamic, 1>;
 
+/// A dense matrix, columns contiguous.
+template <class T>
+using MatrixX = Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic>;
+
 /// #V x 3, one point or vector a row, rows contiguous.
 template <class T>
 using Positions = Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor>;

@@ -25,7 +25,7 @@
 #include <vector>
 
 #include "alcap/controls.h"
-#include "alcap/design.h"
+#include "alcap/smoothest.h"
 #include "alcap/strokes.h"
 
 namespace alcap {

@@ -80,10 +80,4 @@ struct FieldFile {
 /// Reads a .ply that write_field wrote. Throws FileError: cannot be read, cut, or not such a file.
 [[nodiscard]] FieldFile read_field(const std::filesystem::path& file);
 
-/// The index of every vertex of a field given per face (at_faces), by Levi-Civita transport across the edges around it:
-/// #V counts of n-ths, what principal matching finds. Zero at boundary vertices and at those that no face uses. On a
-/// closed surface they sum to n chi.
-[[nodiscard]] std::vector<int> vertex_indices(const Mesh& mesh, const Geometry<double>& geometry,
-                                              const Field<double>& face_field);
-
 }  // namespace alcap

@@ -2,7 +2,7 @@
 //
 // solve.h: sparse solvers behind one small interface. Matrices are Hermitian (complex) or symmetric (real) with both
 // triangles stored, positive definite unless said otherwise. Backends live in solvers/, one file and one line of
-// solvers/factory.cpp each, and are chosen by name.
+// solvers/linear/registry.cpp each, and are chosen by name.
 //
 //   auto solver = alcap::make_linear_solver<std::complex<double>>({.name = "cholmod"});
 //   solver->analyse(A);                 // pattern only: reuse for any values
@@ -24,8 +24,6 @@ namespace alcap {
 
 template <class Scalar>
 using SparseMatrix = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, Index>;
-template <class Scalar>
-using MatrixX = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
 
 /// What a linear solve did. Times in seconds.
 struct SolveReport {

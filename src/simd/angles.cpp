@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // angles.cpp: picks the loops for this machine. Compiled with baseline flags.
-#include "alcap/detail/angles.h"
+#include "src/simd/angles.h"
 
 #include "src/simd/entries_raw.h"
 

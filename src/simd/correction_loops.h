@@ -3,7 +3,7 @@
 // correction_loops.h: picks the loops of correction_raw.h for this machine.
 #pragma once
 
-#include "alcap/detail/isa.h"
+#include "src/simd/isa.h"
 #include "src/simd/correction_raw.h"
 
 namespace alcap::detail::simd {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// correction_raw.h: the arrays of src/correction_system.h, and the loops over them that are compiled for several
+// correction_raw.h: the arrays of src/connection/global/correction_system.h, and the loops over them that are compiled for several
 // instruction sets. Only pointers and numbers: these files must not pull in inline functions that the linker could
 // share with baseline code.
 //

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // isa.cpp: what this machine can run. Compiled with baseline flags.
-#include "alcap/detail/isa.h"
+#include "src/simd/isa.h"
 
 #include <algorithm>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // triangle_entries.cpp: picks the loop for this machine. Compiled with baseline flags.
-#include "alcap/detail/triangle_entries.h"
+#include "src/simd/triangle_entries.h"
 
 #include "src/simd/entries_raw.h"
 

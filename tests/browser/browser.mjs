@@ -82,7 +82,7 @@ export async function request(url, path, parameters = {}, options = {}) {
   return { status: response.status, body: Buffer.from(await response.arrayBuffer()) };
 }
 
-/** The parts of a pack (apps/alcap/view_pack.h), numbers as plain arrays. */
+/** The parts of a pack (apps/alcap/page/view_pack.h), numbers as plain arrays. */
 export function unpack(bytes) {
   const size = bytes.readUInt32LE(8);
   const header = JSON.parse(bytes.subarray(16, 16 + size));

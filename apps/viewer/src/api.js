@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// api.js: requests to the studio's server (apps/alcap/studio_server.cpp).
+// api.js: requests to the studio's server (apps/alcap/studio/studio_server.cpp).
 import { unpack } from './pack.js';
 
 const token = new URLSearchParams(location.search).get('t') || '';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// pack.js: bytes of apps/alcap/view_pack.h as typed arrays.
+// pack.js: bytes of apps/alcap/page/view_pack.h as typed arrays.
 
 const types = { f32: Float32Array, u32: Uint32Array, i16: Int16Array, bf16: Uint16Array };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // scene.js: everything that is drawn for one result, and what of it is shown. The arrays are those of
-// apps/alcap/view_scene.h; the studio replaces some of them at a time.
+// apps/alcap/page/view_scene.h; the studio replaces some of them at a time.
 import { Raycaster, Vector2 } from 'three';
 
 import { Glyphs } from './glyphs.js';

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+//
+// commands.h: the subcommands, one line each, in the order of `alcap --help`. The line X(name) stands for the file
+// name_command.cpp.
+#pragma once
+
+#include "apps/alcap/commands/command.h"
+
+#define ALCAP_COMMANDS(X) \
+  X(field)                \
+  X(design)               \
+  X(view)                 \
+  X(studio)               \
+  X(info)                 \
+  X(ops)                  \
+  X(make)                 \
+  X(tables)
+
+namespace alcap::app {
+
+#define ALCAP_DECLARE(name) extern const Command name##_command;
+ALCAP_COMMANDS(ALCAP_DECLARE)
+#undef ALCAP_DECLARE
+
+#define ALCAP_ADDRESS(name) &name##_command,
+inline constexpr const Command* all_commands[] = {ALCAP_COMMANDS(ALCAP_ADDRESS)};
+#undef ALCAP_ADDRESS
+
+}  // namespace alcap::app

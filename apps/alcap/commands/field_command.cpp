@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: MIT
+//
+// field_command.cpp: `alcap field`, from a mesh to the smoothest n-field, its files and its certificate.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <map>
+#include <memory>
+#include <span>
+
+#include "alcap/memory.h"
+#include "apps/alcap/commands/batch_field.h"
+#include "apps/alcap/commands/commands.h"
+#include "apps/alcap/report/field_files.h"
+#include "apps/alcap/page/html_page.h"
+#include "apps/alcap/picture/png_picture.h"
+#include "apps/alcap/report/report.h"
+#include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/page/view_scene.h"
+
+namespace alcap::app {
+namespace {
+
+constexpr const char* footer =
+    "Examples:\n"
+    "  alcap field bunny.ply -n 4 -o out            cross field; out/ gets all formats and report.json\n"
+    "  alcap field bunny.ply -n 2 -o lines.vtp      line field for ParaView\n"
+    "  alcap field bunny.ply -o out --formats ply,rosy\n"
+    "  alcap field scan.stl --repair weld -o out    a triangle soup, welded first\n"
+    "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
+    "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
+    "  alcap field bunny.ply --png bunny.png        a picture: curves and singularities\n"
+    "  alcap field bunny.ply --html bunny.html      a page to look at it with\n"
+    "  alcap field bunny.ply --json                 no files, just the certificate\n"
+    "  alcap field --batch list.txt -j 2 -o out     every mesh named in list.txt\n"
+    "\n"
+    "The files hold n-vectors: long where the field is sure, short near singularities. --unit makes them\n"
+    "directions of length 1. Exit code 5 means that the files were written but the report's certificate does\n"
+    "not hold; its warnings say why.";
+
+struct FieldOptions {
+  MeshChoice mesh = {};
+  FieldRunOptions run = {};
+  FilesChoice files = {};
+  PictureOptions picture = {};
+  std::filesystem::path html = {};  // no page
+  BatchChoice batch = {};
+};
+
+std::string fraction(std::int64_t count, int n) {
+  if (count % n == 0) return std::to_string(count / n);
+  return fmt::format("{}/{}", count, n);
+}
+
+std::string phase_text(std::string_view phase, std::int64_t faces) {
+  const std::map<std::string_view, std::string> words{{"mesh", "building the mesh"},
+                                                      {"connection", "finding the connection"},
+                                                      {"solve", "solving for the smoothest field"},
+                                                      {"analysis", "locating singularities"}};
+  const auto found = words.find(phase);
+  return fmt::format("{} ({} faces)", found == words.end() ? std::string(phase) : found->second, grouped(faces));
+}
+
+std::string summary(const FieldOptions& options, const Json& report) {
+  const Json &mesh = report["mesh"], &connection = report["connection"], &eigen = report["eigen"];
+  const Json &singular = report["singularities"], &times = report["times"];
+  const auto real = [](const Json& value) {
+    return value.is_null() ? "not finite" : fmt::format("{:.4g}", value.get<double>());
+  };
+  const auto count = [](const Json& value) { return grouped(value.get<std::int64_t>()); };
+  const int n = options.run.n;
+  std::string text;
+  const auto line = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<14}{}\n", label, value);
+  };
+  line("mesh", fmt::format("{} vertices, {} faces, {} component(s), {} boundary loop(s), Euler characteristic {}",
+                           count(mesh["vertices"]), count(mesh["faces"]), count(mesh["components"]),
+                           count(mesh["boundary_loops"]), count(mesh["euler"])));
+  line("connection", fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
+                                 real(connection["D_T"]), real(connection["D_E"]), count(connection["iterations"])));
+  line("field", fmt::format("n = {}, eigenvalue {} (next {}), residual {}, {}", n, real(eigen["lambda"]),
+                            real(eigen["next"]), real(eigen["residual"]), eigen["solver"].get<std::string>()));
+  line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
+                                    count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
+                                    fraction(singular["index_sum"].get<std::int64_t>(), n),
+                                    fraction(singular["expected"].get<std::int64_t>(), n)));
+  std::string phases;
+  for (const auto& [phase, seconds] : times.items()) {
+    if (phase != "total")
+      phases += fmt::format("{}{} {:.2f}", phases.empty() ? "" : ", ", phase, seconds.get<double>());
+  }
+  line("time", fmt::format("{:.2f} s ({})", times["total"].get<double>(), phases));
+  line("memory", fmt::format("{:.0f} MB at most", report["peak_memory_bytes"].get<double>() / 1e6));
+  return text + summary_end(report);
+}
+
+Outcome run(FieldOptions options, Progress& progress) {
+  using Clock = std::chrono::steady_clock;
+  const auto seconds = [](Clock::time_point from) {
+    return std::chrono::duration<double>(Clock::now() - from).count();
+  };
+  const auto start = Clock::now();
+  const OutputPlan plan = plan_files(options.files);
+  check_picture(options.picture);
+  if (!options.html.empty()) {
+    check_page();
+    check_writable(options.html);
+  }
+
+  RunSeconds times;
+  progress.phase(fmt::format("reading {}", options.mesh.path.string()));
+  MeshFile file = read_choice(options.mesh);
+  const std::int64_t faces = file.F.rows();
+  times.read = seconds(start);
+
+  options.run.repairs = options.mesh.repairs;
+  options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
+  const FieldRun result = run_field(file.V, std::move(file.F), options.run);
+
+  progress.phase("writing");
+  const auto write_start = Clock::now();
+  const FieldOutput output = output_of(result, file.V);
+  Json report = field_report(options.mesh.path, file, result, options.run);
+  const auto no_others = [](const std::filesystem::path&) { return std::vector<std::string>{}; };
+  write_files(plan, options.files, output, no_others, [&](const std::vector<std::string>& files) -> const Json& {
+    times.write = seconds(write_start);
+    times.total = seconds(start);
+    report["times"] = times_json(result.times, times);
+    report["peak_memory_bytes"] = peak_memory_bytes();
+    report["files"] = files;
+    return report;
+  });
+  if (!options.html.empty()) {
+    const ViewSource source{result.mesh,       file.V,       result.geometry,
+                            result.connection, result.field, result.singularities};
+    write_text(options.html, html_page(make_scene(source, options.mesh.path.stem().string(), report)));
+    report["files"].push_back(options.html.string());
+  }
+
+  for (const std::string& file : write_pictures(output, options.picture)) report["files"].push_back(file);
+
+  Outcome outcome{.report = std::move(report)};
+  outcome.text = summary(options, outcome.report);
+  if (!result.certificate.holds()) {
+    outcome.exit = Exit::uncertified;
+    outcome.complaint = "the certificate does not hold:";
+    for (const Remark& r : result.remarks) {
+      if (r.warning) outcome.complaint += " " + r.message + ".";
+    }
+  }
+  return outcome;
+}
+
+Outcome run_batch_of(FieldOptions options, const Common& common) {
+  if (!options.mesh.path.empty()) {
+    throw Failure(Exit::usage, "MESH and --batch exclude each other; put the mesh into the list",
+                  {{"option", "--batch"}});
+  }
+  options.batch.folder = options.files.output;
+  options.batch.formats =
+      options.files.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options.files);
+  options.run.repairs = options.mesh.repairs;
+  return run_field_batch(options.batch, options.mesh, options.run, common);
+}
+
+std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+  auto options = std::make_shared<FieldOptions>();
+  app.footer(footer);
+  add_mesh_options(app, options->mesh);
+  app.get_option("mesh")->required(false);  // or --batch
+  add_batch_options(app, options->batch);
+  app.add_option("-n,-r,--degree,--rosy", options->run.n,
+                 "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal; any n >= 1")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  add_files_options(app, options->files);
+  app.add_option("--html", options->html, "Also write a page that shows the field in any browser, in one file")
+      ->type_name("FILE");
+  app.add_flag("--unit,--normalise,--direction", options->run.normalise,
+               "Write unit directions instead of n-vectors of varying length");
+  app.add_option("-s,--energy,--s", options->run.s,
+                 "Which smoothness, in [-1, 1]: 0 Dirichlet, 1 favours holomorphic, -1 antiholomorphic fields")
+      ->type_name("S")
+      ->capture_default_str()
+      ->check(CLI::Range(-1.0, 1.0));
+  add_connection_options(app, options->run);
+  add_eigen_options(app, options->run.eigen);
+  add_picture_options(app, options->picture);
+  return [options](const Common& common, Progress& progress) {
+    if (!options->batch.list.empty()) return run_batch_of(*options, common);
+    if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");
+    return run(*options, progress);
+  };
+}
+
+}  // namespace
+
+const Command field_command{"field", "The smoothest n-field of a mesh, with singularities and certificate", true,
+                            &attach};
+
+}  // namespace alcap::app

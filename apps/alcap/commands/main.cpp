@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+//
+// main.cpp: parses the command line, runs one subcommand, and turns what comes out of it (a result or any kind of
+// failure) into stdout, stderr, a report file and an exit code. Subcommands print nothing themselves.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <new>
+#include <sstream>
+#include <string_view>
+#include <vector>
+
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
+#include "alcap/conventions.h"
+#include "src/simd/isa.h"
+#include "src/base/parallel.h"
+#include "alcap/solve.h"
+#include "alcap/version.h"
+#include "apps/alcap/commands/commands.h"
+#include "apps/alcap/report/outputs.h"
+#include "apps/alcap/report/report.h"
+
+namespace alcap::app {
+namespace {
+
+constexpr const char* description =
+    "Smoothest n-vector fields on triangle meshes: cross fields (n = 4), line fields, vector fields,\n"
+    "with singularities and a certificate.";
+
+constexpr const char* footer =
+    "Start with:\n"
+    "  alcap info bunny.ply                 is this mesh fit, and if not, why\n"
+    "  alcap field bunny.ply -n 4 -o out    a cross field, its files and its report into the folder out\n"
+    "\n"
+    "Every command has its own --help, and --json for programs.\n"
+    "Exit codes: 0 ok, 2 usage, 3 input file, 4 mesh unusable, 5 result not certified, 6 output not\n"
+    "written, 7 solver or memory, 1 internal error, 130 interrupted.";
+
+std::string version_text() {
+  std::string sets, solvers;
+  for (const auto isa : detail::available_isas()) sets += std::string(sets.empty() ? "" : ", ") + detail::name(isa);
+  for (const auto& name : linear_solvers()) solvers += (solvers.empty() ? "" : ", ") + name;
+  return fmt::format("alcap {}\nsolvers: {}\ninstruction set: {} (this machine has {})\n", version(), solvers,
+                     detail::name(detail::best_isa()), sets);
+}
+
+/// CLI11's help with descriptions wrapped to the width of a terminal.
+class WrappedHelp : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    const std::size_t width = 100 - get_column_width();
+    std::string text, line;
+    std::istringstream words(CLI::Formatter::make_option_desc(option));
+    for (std::string word; words >> word;) {
+      if (!line.empty() && line.size() + 1 + word.size() > width) {
+        text += line + "\n";
+        line.clear();
+      }
+      line += (line.empty() ? "" : " ") + word;
+    }
+    return text + line;
+  }
+};
+
+void print(std::string_view text) {
+  if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
+    throw Failure(Exit::output, "cannot write to standard output");
+  }
+}
+
+/// The last resort for what went wrong: one line on stderr, with --json also an object on stdout.
+int complain(const std::string& command, bool json, Exit exit, const std::string& message,
+             const Json& details = Json::object()) {
+  fmt::print(stderr, "alcap{}{}: {}\n", command.empty() ? "" : " ", command, message);
+  if (json) {
+    const std::string text = text_of(error_report(command, exit, message, details), 2) + "\n";
+    std::fwrite(text.data(), 1, text.size(), stdout);
+  }
+  return static_cast<int>(exit);
+}
+
+/// Calls body and gives every exception its exit code.
+template <class Body>
+int guarded(const std::string& command, bool json, Progress& progress, Body&& body) {
+  const auto fail = [&](Exit exit, const std::exception& e, const Json& details = Json::object()) {
+    progress.clear();
+    return complain(command, json, exit, e.what(), details);
+  };
+  try {
+    return body();
+  } catch (const Failure& e) {
+    return fail(e.exit(), e, e.details());
+  } catch (const FileError& e) {
+    return fail(Exit::input, e, file_details(e));
+  } catch (const MeshError& e) {
+    progress.clear();
+    return complain(command, json, Exit::mesh, fmt::format("{} (alcap info lists all defects)", e.what()),
+                    mesh_details(e));
+  } catch (const OptionError& e) {
+    return fail(Exit::usage, e, {{"option", e.field()}, {"value", e.value()}});
+  } catch (const SolveError& e) {
+    return fail(Exit::solver, e);
+  } catch (const std::bad_alloc&) {
+    progress.clear();
+    return complain(command, json, Exit::solver, "out of memory; use a smaller mesh or a machine with more memory");
+  } catch (const std::exception& e) {
+    progress.clear();
+    return complain(command, json, Exit::internal, fmt::format("internal error, please report it: {}", e.what()));
+  }
+}
+
+int run(const Command& command, const Common& common, const std::function<Outcome(const Common&, Progress&)>& body) {
+  Progress progress(!common.quiet);
+  return guarded(command.name, common.json, progress, [&] {
+    if (!common.report.empty()) check_writable(common.report);
+    Outcome outcome;
+    run_with_threads(common.threads, [&] { outcome = body(common, progress); });
+    progress.clear();
+    if (!common.report.empty()) write_text(common.report, text_of(outcome.report, 2) + "\n");
+    if (common.json) {
+      print(text_of(outcome.report, 2) + "\n");
+    } else if (!common.quiet) {
+      print(outcome.text);
+    }
+    if (!outcome.complaint.empty()) fmt::print(stderr, "alcap {}: {}\n", command.name, outcome.complaint);
+    return static_cast<int>(outcome.exit);
+  });
+}
+
+void add_common(const Command& command, CLI::App& app, Common& common) {
+  app.add_flag("--json", common.json, "Print the report as JSON on stdout, and nothing else there")
+      ->group("Common options");
+  app.add_flag("-q,--quiet", common.quiet, "No summary, no progress; errors still go to stderr")
+      ->group("Common options");
+  if (!command.computes) return;
+  app.add_option("--threads", common.threads, "Threads to use; 0 for all. Results do not depend on it")
+      ->check(CLI::Range(0, 4096))
+      ->group("Common options");
+  app.add_option("--report", common.report, "Write the report (JSON) to this file")
+      ->type_name("FILE")
+      ->group("Common options");
+}
+
+/// Memory that one phase frees is taken up by the next instead of going back to the system in between: new pages cost
+/// more than most phases do with them (measured at 1.3 million triangles: a third of the system time, for 1 % more
+/// memory). The library leaves such settings alone.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int bytes = 1 << 30;
+  (void)::mallopt(M_MMAP_THRESHOLD, bytes);
+  (void)::mallopt(M_TRIM_THRESHOLD, bytes);
+#endif
+}
+
+int start(int argc, char** argv) {
+  CLI::App app(description, "alcap");
+  app.formatter(std::make_shared<WrappedHelp>());  // before the subcommands, which inherit it
+  app.footer(footer);
+  app.require_subcommand(0, 1);
+  bool version = false;
+  app.add_flag("--version", version, "Version, solvers and instruction sets");
+
+  struct Entry {
+    const Command* command;
+    CLI::App* app;
+    Common common;
+    std::function<Outcome(const Common&, Progress&)> body;
+  };
+  std::vector<std::unique_ptr<Entry>> entries;
+  for (const Command* command : all_commands) {
+    entries.push_back(std::make_unique<Entry>());
+    Entry& entry = *entries.back();
+    entry.command = command;
+    entry.app = app.add_subcommand(command->name, command->summary);
+    entry.body = command->attach(*entry.app);
+    add_common(*command, *entry.app, entry.common);
+  }
+
+  // CLI11 has not stored --json yet when parsing fails.
+  bool json = false;
+  for (int k = 1; k < argc; ++k) json = json || std::string_view(argv[k]) == "--json";
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& e) {  // --help
+    return app.exit(e);
+  } catch (const CLI::ParseError& e) {
+    const auto parsed = app.get_subcommands();
+    const std::string name = parsed.empty() ? "" : parsed.front()->get_name();
+    return complain(name, json, Exit::usage,
+                    fmt::format("{} (see alcap{}{} --help)", e.what(), name.empty() ? "" : " ", name));
+  }
+  if (version) {
+    print(version_text());
+    return 0;
+  }
+  for (const auto& entry : entries) {
+    if (entry->app->parsed()) return run(*entry->command, entry->common, entry->body);
+  }
+  fmt::print(stderr, "{}", app.help());
+  return static_cast<int>(Exit::usage);
+}
+
+}  // namespace
+}  // namespace alcap::app
+
+int main(int argc, char** argv) {
+  alcap::app::keep_freed_memory();
+  alcap::app::Progress silent(false);
+  return alcap::app::guarded("", false, silent, [&] { return alcap::app::start(argc, argv); });
+}

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: MIT
+//
+// ops_command.cpp: `alcap ops`, derivatives and energies of a field in a file.
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <memory>
+#include <string_view>
+
+#include "src/base/atomic_file.h"
+#include "alcap/energies.h"
+#include "alcap/memory.h"
+#include "alcap/operators.h"
+#include "alcap/output.h"
+#include "apps/alcap/commands/commands.h"
+#include "apps/alcap/report/outputs.h"
+#include "apps/alcap/report/report.h"
+#include "apps/alcap/options/shared_options.h"
+
+namespace alcap::app {
+namespace {
+
+constexpr const char* footer =
+    "Examples:\n"
+    "  alcap field bunny.ply -n 1 -o v.ply\n"
+    "  alcap ops bunny.ply v.ply -o v.csv            a line per face\n"
+    "  alcap ops bunny.ply v.ply -o v.vtp            face data for ParaView\n"
+    "  alcap ops bunny.ply v.ply --operators triangle --density --json\n"
+    "\n"
+    "FIELD is a .ply written by alcap field. Values are integrals over each face unless --density is given. For an\n"
+    "n-field, (div, curl) is an (n-1)-vector and the reflected pair an (n+1)-vector in the face's frame, whose\n"
+    "first axis is the face's first edge.";
+
+struct OpsOptions {
+  MeshChoice mesh = {};
+  FieldRunOptions run = {};
+  std::filesystem::path field = {};
+  std::filesystem::path output = {};
+  OperatorKind kind = OperatorKind::edge;  // more accurate, and exact over patches
+  bool density = false;
+  CLI::Option* connection = nullptr;  // --connection, to see whether it was given
+};
+
+/// Four numbers per face.
+struct FaceValues {
+  VectorX<double> div, curl, reflected_div, reflected_curl;
+};
+
+/// The field in the file's mesh must be a field on this mesh.
+void check_same_mesh(const OpsOptions& options, const MeshFile& file, const FieldFile& field) {
+  const bool same = file.V.rows() == field.V.rows() && file.F.rows() == field.F.rows();
+  if (same && (file.V - field.V).cwiseAbs().maxCoeff() <= 1e-6 * file.V.cwiseAbs().maxCoeff()) return;
+  throw Failure(
+      Exit::input,
+      fmt::format("{} holds a field on another mesh ({} vertices, {} faces) than {} ({}, {}); give the mesh it "
+                  "was computed on",
+                  options.field.string(), field.V.rows(), field.F.rows(), options.mesh.path.string(), file.V.rows(),
+                  file.F.rows()),
+      {{"path", options.field.string()}});
+}
+
+void write_csv(const std::filesystem::path& path, const Geometry<double>& geometry, const FaceValues& values) {
+  alcap::detail::AtomicFile out(path);
+  out.write("face,area,div,curl,reflected_div,reflected_curl\n");
+  for (Eigen::Index t = 0; t < values.div.size(); ++t) {
+    out.write(fmt::format("{},{},{},{},{},{}\n", t, geometry.areas()[t], values.div[t], values.curl[t],
+                          values.reflected_div[t], values.reflected_curl[t]));
+  }
+  out.commit();
+}
+
+/// Norm of a density over the surface from face integrals: sqrt(sum of |x|^2 / A).
+double norm(const VectorX<double>& integrals, const VectorX<double>& areas) {
+  return std::sqrt((integrals.array().square() / areas.array()).sum());
+}
+
+std::string summary(const Json& report) {
+  const auto real = [](const Json& value) {
+    return value.is_null() ? std::string("not finite") : fmt::format("{:.6g}", value.get<double>());
+  };
+  const Json &e = report["energies"], &n = report["norms"], &sums = report["sums"];
+  std::string text;
+  const auto line = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<14}{}\n", label, value);
+  };
+  line("field",
+       fmt::format("n = {} on {} faces, {} operators", report["n"].get<int>(),
+                   grouped(report["mesh"]["faces"].get<std::int64_t>()), report["operators"].get<std::string>()));
+  line("energies", fmt::format("E_D {}, E_A {}, E_H {}, (E_A - E_H) / pi {}", real(e["E_D"]), real(e["E_A"]),
+                               real(e["E_H"]), real(e["difference_over_pi"])));
+  line("by operators", fmt::format("E_D {}, E_A {}, E_H {}, (E_A - E_H) / pi {}", real(e["operators"]["E_D"]),
+                                   real(e["operators"]["E_A"]), real(e["operators"]["E_H"]),
+                                   real(e["operators"]["difference_over_pi"])));
+  line("L2 norms",
+       fmt::format("div {}, curl {}, reflected pair {}", real(n["div"]), real(n["curl"]), real(n["reflected"])));
+  line("sums", fmt::format("div {}, curl {}", real(sums["div"]), real(sums["curl"])));
+  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
+  for (const Json& f : report["files"]) line("wrote", f.get<std::string>());
+  return text;
+}
+
+Json energies_json(double dirichlet, double a, double h) {
+  return {{"E_D", number(dirichlet)},
+          {"E_A", number(a)},
+          {"E_H", number(h)},
+          {"difference_over_pi", number((a - h) / pi<double>)}};
+}
+
+Outcome run(OpsOptions options, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  const OutputPlan plan = plan_output(options.output, {".csv", ".vtp"});
+  if (plan.kind == OutputPlan::Kind::folder) {
+    throw Failure(Exit::usage, "-o must name a file that ends with .csv or .vtp", {{"option", "-o"}});
+  }
+  progress.phase("reading");
+  const MeshFile file = read_choice(options.mesh);
+  const FieldFile field_file = read_field(options.field);
+  check_same_mesh(options, file, field_file);
+  options.run.n = field_file.field.n;
+  if (options.connection->count() == 0 && options.run.cones.empty()) options.run.connection = field_file.connection;
+  if (options.run.connection == ConnectionKind::trivial && options.run.cones.empty()) {
+    throw Failure(Exit::usage, "the field was made with a trivial connection; repeat its --cone options here",
+                  {{"option", "--cone"}});
+  }
+  std::vector<Remark> remarks;
+  const Mesh mesh(apply_repairs(file.V, file.F, options.mesh.repairs, remarks), file.V.rows());
+  const Geometry<double> geometry(mesh, file.V);
+
+  progress.phase("finding the connection");
+  const Connection<double> connection =
+      make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
+  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, file.V, geometry, connection));
+  // Same connection, same frames: the numbers are taken as they are. Otherwise the vectors in space are what counts.
+  const int n = field_file.field.n;
+  Field<double> field = field_file.field;
+  if (field.frames->X != frames->X || field.frames->N != frames->N) {
+    field = from_vectors(n, field.vectors(0), frames);
+    remarks.push_back(
+        {.code = "reprojected",
+         .warning = false,
+         .message = "the field was made with another connection; its vectors were projected to this one"});
+  }
+
+  progress.phase("applying the operators");
+  const auto operators = first_order_operators(mesh, geometry, connection, {.n = n, .kind = options.kind});
+  const ComplexVectorX<double> p = apply(mesh, operators.p, field.u), q = apply(mesh, operators.q, field.u);
+  FaceValues values{p.real(), p.imag(), q.real(), q.imag()};
+  const FieldEnergies exact = field_energies(mesh, geometry, connection, n, field.u);
+  const OperatorEnergies sums = operator_energies(mesh, geometry, operators, field.u);
+  const VectorX<double> reflected = q.cwiseAbs();
+
+  Json report = report_head("ops", true);
+  report["input"] = input_json(options.mesh.path, file);
+  report["field"] = options.field.string();
+  report["n"] = n;
+  report["operators"] = options.kind == OperatorKind::edge ? "edge" : "triangle";
+  report["mesh"] = mesh_json(mesh, find_topology(mesh), geometry);
+  report["connection"] = connection_json(mesh, geometry, connection, options.run);
+  report["energies"] = energies_json(exact.dirichlet, exact.antiholomorphic, exact.holomorphic);
+  report["energies"]["operators"] = energies_json(sums.dirichlet(), sums.antiholomorphic, sums.holomorphic);
+  report["sums"] = {{"div", number(values.div.sum())}, {"curl", number(values.curl.sum())}};
+  report["norms"] = {{"div", number(norm(values.div, geometry.areas()))},
+                     {"curl", number(norm(values.curl, geometry.areas()))},
+                     {"reflected", number(norm(reflected, geometry.areas()))}};
+  report["warnings"] = remarks_json(remarks, true);
+  report["notes"] = remarks_json(remarks, false);
+
+  if (options.density) {
+    for (VectorX<double>* x : {&values.div, &values.curl, &values.reflected_div, &values.reflected_curl}) {
+      x->array() /= geometry.areas().array();
+    }
+  }
+  std::vector<std::string> files;
+  if (plan.kind == OutputPlan::Kind::file) {
+    progress.phase("writing");
+    write_guarded([&] {
+      if (plan.target.extension() == ".csv") {
+        write_csv(plan.target, geometry, values);
+        files.push_back(plan.target.string());
+        return;
+      }
+      const auto scalars = [](const char* label, const VectorX<double>& x) {
+        return FaceScalars{label, {x.data(), static_cast<std::size_t>(x.size())}};
+      };
+      const std::vector<FaceScalars> all{scalars("div", values.div), scalars("curl", values.curl),
+                                         scalars("reflected_div", values.reflected_div),
+                                         scalars("reflected_curl", values.reflected_curl)};
+      const std::vector<Singularity> singularities = find_singularities(mesh, geometry, connection, field);
+      for (const auto& path : write_field({.mesh = mesh,
+                              .V = file.V,
+                              .geometry = geometry,
+                              .connection = connection,
+                              .field = field,
+                              .singularities = singularities,
+                              .face_scalars = all},
+                                          plan.target)) {
+        files.push_back(path.string());
+      }
+    });
+  }
+  report["times"] = {{"total", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}};
+  report["peak_memory_bytes"] = peak_memory_bytes();
+  report["files"] = files;
+  Outcome outcome{.report = std::move(report)};
+  outcome.text = summary(outcome.report);
+  return outcome;
+}
+
+std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+  auto options = std::make_shared<OpsOptions>();
+  app.footer(footer);
+  add_mesh_options(app, options->mesh);
+  app.add_option("field", options->field, "Field on it: a .ply written by alcap field")->required()->type_name("FIELD");
+  app.add_option("-o,--output", options->output, "Write a value per face to this .csv or .vtp")->type_name("FILE");
+  app.add_option_function<std::string>(
+         "--operators",
+         [options](const std::string& name) {
+           options->kind = name == "edge" ? OperatorKind::edge : OperatorKind::triangle;
+         },
+         "edge: from the boundary of each face (Stokes), sums telescope; triangle: from its inside")
+      ->type_name("KIND")
+      ->check(CLI::IsMember({"edge", "triangle"}))
+      ->default_str("edge");
+  app.add_flag("--density", options->density, "Means per unit of area instead of integrals in the file");
+  add_connection_options(app, options->run);
+  options->connection = app.get_option("--connection");
+  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+}
+
+}  // namespace
+
+const Command ops_command{"ops", "Divergence, curl, reflected pair and energies of a field", true, &attach};
+
+}  // namespace alcap::app

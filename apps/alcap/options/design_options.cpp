@@ -1,0 +1,336 @@
+// SPDX-License-Identifier: MIT
+//
+// design_options.cpp: the flags of `alcap design`.
+#include "apps/alcap/options/design_options.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+
+#include "apps/alcap/options/shared_options.h"
+
+namespace alcap::app {
+namespace {
+
+/// The parts of TEXT between colons, numbers read strictly.
+class Parts {
+ public:
+  Parts(const char* option, const char* form, std::string text)
+      : option_(option), form_(form), whole_(std::move(text)) {
+    for (std::size_t from = 0; from <= whole_.size();) {
+      const std::size_t to = std::min(whole_.find(':', from), whole_.size());
+      parts_.push_back(whole_.substr(from, to - from));
+      from = to + 1;
+    }
+  }
+  [[nodiscard]] std::size_t size() const { return parts_.size(); }
+  [[nodiscard]] const std::string& text(std::size_t k) const { return parts_[k]; }
+  void expect(std::size_t least, std::size_t most) const {
+    if (size() < least || size() > most) fail();
+  }
+  template <class T>
+  [[nodiscard]] T number(std::string_view text) const {
+    T value{};
+    if (text.starts_with('+')) text.remove_prefix(1);
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(double(value))) fail();
+    return value;
+  }
+  [[nodiscard]] Index index(std::size_t k) const {
+    const auto value = number<Index>(parts_[k]);
+    if (value < 0) fail();
+    return value;
+  }
+  [[nodiscard]] double angle(std::size_t k) const { return k < size() ? number<double>(parts_[k]) : 0.0; }
+  [[noreturn]] void fail() const { throw CLI::ValidationError(option_, fmt::format("{} should be {}", whole_, form_)); }
+
+ private:
+  const char* option_;
+  const char* form_;
+  std::string whole_;
+  std::vector<std::string> parts_;
+};
+
+DesignFixed parse_fixed(const std::string& text) {
+  const Parts parts("--fix", "VERTEX:ANGLE or VERTEX:X,Y,Z, such as 12:30 or 12:1,0,0", text);
+  parts.expect(2, 2);
+  DesignFixed fixed{.name = "--fix " + text, .vertex = parts.index(0)};
+  std::vector<double> numbers;
+  const std::string& list = parts.text(1);
+  for (std::size_t from = 0; from <= list.size();) {
+    const std::size_t to = std::min(list.find(',', from), list.size());
+    numbers.push_back(parts.number<double>(std::string_view(list).substr(from, to - from)));
+    from = to + 1;
+  }
+  if (numbers.size() == 1) {
+    fixed.angle = numbers[0];
+  } else if (numbers.size() == 3) {
+    fixed.direction = Vector3{numbers[0], numbers[1], numbers[2]};
+  } else {
+    parts.fail();
+  }
+  return fixed;
+}
+
+/// FILE or FILE:WEIGHT. A point "x y z" a line; empty lines separate strokes, # starts a comment.
+std::vector<DesignStroke> read_strokes(const std::string& text) {
+  double weight = 1;
+  std::string path = text;
+  if (const std::size_t colon = text.rfind(':'); colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, weight);
+    if (error == std::errc() && stop == end) path = text.substr(0, colon);
+  }
+  if (!(weight > 0) || !std::isfinite(weight))
+    throw Failure(Exit::usage, "--stroke: " + text + " should be FILE or FILE:WEIGHT with a weight above 0",
+                  {{"option", "--stroke"}, {"value", text}});
+  std::ifstream file(path);
+  if (!file) throw FileError(path + ": cannot be opened", path);
+  std::vector<DesignStroke> strokes(1);
+  std::string line;
+  for (std::int64_t number = 1; std::getline(file, line); ++number) {
+    line.resize(std::min(line.find('#'), line.size()));
+    std::vector<double> point;
+    const char *at = line.data(), *const end = line.data() + line.size();
+    while (at != end) {
+      if (*at == ' ' || *at == '\t' || *at == '\r' || *at == ',') {
+        ++at;
+        continue;
+      }
+      double value = 0;
+      const auto [stop, error] = std::from_chars(at, end, value);
+      if (error != std::errc() || !std::isfinite(value))
+        throw FileError(fmt::format("{}:{}: not a number: {}", path, number, std::string(at, end)), path, number);
+      point.push_back(value);
+      at = stop;
+    }
+    if (point.empty()) {
+      if (!strokes.back().path.empty()) strokes.emplace_back();
+    } else if (point.size() == 3) {
+      strokes.back().path.push_back({point[0], point[1], point[2]});
+    } else {
+      throw FileError(fmt::format("{}:{}: {} numbers instead of a point x y z", path, number, point.size()), path,
+                      number);
+    }
+  }
+  if (strokes.back().path.empty()) strokes.pop_back();
+  if (strokes.empty()) throw FileError(path + ": holds no stroke", path);
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    if (strokes[k].path.size() < 2)
+      throw FileError(fmt::format("{}: stroke {} has one point; at least two are needed", path, k), path);
+    strokes[k].name = strokes.size() == 1 ? "--stroke " + text : fmt::format("--stroke {} ({})", text, k);
+    strokes[k].weight = weight;
+  }
+  return strokes;
+}
+
+/// "smoothest", "zero:0.1", "out/field.ply:2"
+DesignGuidance parse_guidance(const std::string& text) {
+  DesignGuidance guidance;
+  std::string what = text;
+  if (const std::size_t colon = text.rfind(':'); colon != std::string::npos) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, guidance.weight);
+    if (error == std::errc() && stop == end) what = text.substr(0, colon);
+  }
+  if (!(guidance.weight > 0) || !std::isfinite(guidance.weight) || what.empty())
+    throw CLI::ValidationError("--guidance",
+                               text + " should be FIELD.ply, smoothest, curvature or zero, then :WEIGHT above 0");
+  if (what == "smoothest") {
+    guidance.source = DesignGuidance::Source::smoothest;
+  } else if (what == "curvature") {
+    guidance.source = DesignGuidance::Source::curvature;
+  } else if (what == "least-curvature") {
+    guidance.source = DesignGuidance::Source::least_curvature;
+  } else if (what == "zero") {
+    guidance.source = DesignGuidance::Source::zero;
+  } else {
+    guidance.source = DesignGuidance::Source::file;
+    guidance.file = what;
+  }
+  return guidance;
+}
+
+using Texts = std::vector<std::string>;
+
+CLI::Option* add_list(CLI::App& app, const char* option, const char* form, const char* help,
+                      std::function<void(const std::string&)> take) {
+  return app
+      .add_option_function<Texts>(
+          option,
+          [take = std::move(take)](const Texts& texts) {
+            for (const std::string& t : texts) take(t);
+          },
+          help)
+      ->type_name(form)
+      ->allow_extra_args(false)
+      ->group("Controls");
+}
+
+void add_singularities(CLI::App& app, DesignFlags& flags, const char* option, SingularityKind kind, const char* help) {
+  add_list(app, option, "FACE[:ANGLE]", help, [&flags, option, kind](const std::string& text) {
+    const Parts parts(option, "FACE or FACE:ANGLE, such as 12:30 (degrees)", text);
+    parts.expect(1, 2);
+    flags.singularities.push_back(
+        {.name = std::string(option) + " " + text, .face = parts.index(0), .kind = kind, .angle = parts.angle(1)});
+  });
+}
+
+}  // namespace
+
+void add_design_options(CLI::App& app, DesignFlags& flags) {
+  app.add_option("--design", flags.file, "The design as JSON (docs/design.md); flags add to it")->type_name("FILE");
+  app.add_option("-n,-r,--degree,--rosy", flags.n,
+                 "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal. Default: the design file's, or 1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000));
+  add_singularities(app, flags, "--source", SingularityKind::source,
+                    "Singularity of index +1/n in this face. n = 1: a source that ANGLE (degrees) turns into a "
+                    "spiral; otherwise ANGLE is the direction of a branch, from the face's first edge");
+  add_singularities(app, flags, "--sink", SingularityKind::sink, "A sink (n = 1)");
+  add_singularities(app, flags, "--vortex", SingularityKind::vortex,
+                    "A counter-clockwise vortex (n = 1); ANGLE 180 makes it clockwise");
+  add_singularities(app, flags, "--saddle", SingularityKind::saddle,
+                    "Singularity of index -1/n; ANGLE is the direction of a branch, from the face's first edge");
+  add_list(app, "--singularity", "FACE:+-1[:ANGLE]", "Index +1/n or -1/n in this face",
+           [&flags](const std::string& text) {
+             const Parts parts("--singularity", "FACE:+1 or FACE:-1, then :ANGLE if wanted", text);
+             parts.expect(2, 3);
+             const int sign = parts.number<int>(parts.text(1));
+             if (sign != 1 && sign != -1) parts.fail();
+             flags.singularities.push_back({.name = "--singularity " + text,
+                                            .face = parts.index(0),
+                                            .kind = sign > 0 ? SingularityKind::source : SingularityKind::saddle,
+                                            .angle = parts.angle(2)});
+           });
+  app.add_option("--relative-to", flags.relative_to,
+                 "Angles of the singularities given as flags start from this direction of space, projected to the face")
+      ->type_name("X,Y,Z")
+      ->delimiter(',')
+      ->expected(3)
+      ->group("Controls");
+  app.add_option("--strength", flags.strength, "Of the singularities given as flags; 1 holds against unit guidance")
+      ->type_name("X")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber)
+      ->group("Controls");
+  app.add_flag("--pin", flags.pin, "Zeros of the singularities given as flags lie at the centers of their faces")
+      ->group("Controls");
+  add_list(
+      app, "--fix", "VERTEX:DIRECTION",
+      "The field at a vertex: VERTEX:X,Y,Z a direction of space, VERTEX:ANGLE degrees from the vertex frame's axis",
+      [&flags](const std::string& text) { flags.fixed.push_back(parse_fixed(text)); });
+  app.add_option_function<std::string>(
+         "--guidance", [&flags](const std::string& text) { flags.guidance = parse_guidance(text); },
+         "What the field stays close to: FIELD.ply written by alcap, smoothest, curvature (n even), least-curvature "
+         "(n = 2) or zero; then :WEIGHT, default 1")
+      ->type_name("FIELD[:WEIGHT]")
+      ->group("Controls");
+  add_list(app, "--stroke", "FILE[:WEIGHT]",
+           "The field follows polylines of points \"x y z\", one a line, empty lines between strokes; default weight 1",
+           [&flags](const std::string& text) { flags.strokes.push_back(text); });
+  app.add_option_function<double>(
+         "--align-curvature",
+         [&flags](double t) { flags.guidance = DesignGuidance{.source = DesignGuidance::Source::curvature, .t = t}; },
+         "Principal directions (n even) as guidance with lambda_t = T times lambda_min of a sphere of this area: 0 "
+         "balances, negative follows them closer, towards lambda_1 the field is only smooth")
+      ->type_name("T")
+      ->group("Controls");
+  app.add_option_function<double>(
+         "--t", [&flags](double t) { flags.t = t; },
+         "Weigh the guidance field by lambda_t, as --align-curvature does, instead of :WEIGHT")
+      ->type_name("T")
+      ->group("Controls");
+  app.add_flag_function(
+         "--align-boundary", [&flags](std::int64_t) { flags.boundary = {.wanted = true}; },
+         "The field runs along the boundary")
+      ->group("Controls");
+  app.add_flag_function(
+         "--align-boundary-normal", [&flags](std::int64_t) { flags.boundary = {.wanted = true, .normal = true}; },
+         "The field runs into the boundary at a right angle")
+      ->group("Controls");
+  app.add_option_function<std::string>(
+         "--method",
+         [&flags](const std::string& method) {
+           flags.method = method == "eigen" ? DesignMethod::eigen : DesignMethod::variational;
+         },
+         "variational: one linear solve, every control; eigen: the smoothest field with these singularities and "
+         "strokes. Default: the design file's, or variational")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember({"variational", "eigen"}))
+      ->group("Solver");
+  app.add_option("-s,--energy", flags.s, "Energy family in [-1, 1]: 0 Dirichlet, 1 holomorphic, -1 antiholomorphic")
+      ->type_name("S")
+      ->check(CLI::Range(-1.0, 1.0))
+      ->group("Solver");
+  add_connection_options(app, flags.run);
+  flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
+}
+
+DesignFile make_design(const DesignFlags& flags) {
+  DesignFile design;
+  if (!flags.file.empty()) design = read_design(flags.file);
+  if (flags.file.empty() || flags.count("-n") > 0) design.n = flags.n;
+  if (flags.count("--method") > 0) design.method = flags.method;
+  if (flags.count("--energy") > 0) design.s = flags.s;
+  if (flags.boundary.wanted) design.boundary = flags.boundary;
+  if (flags.count("--cones") > 0) design.connection.balance = true;
+  if (flags.count("--connection") > 0 || flags.count("--cone") > 0 || flags.count("--cones") > 0) {
+    design.connection.kind = flags.run.connection;
+    design.connection.center = flags.run.polar.center;
+    if (flags.run.connection != ConnectionKind::trivial) {
+      design.connection.cones.clear();
+      design.connection.cones_at.clear();
+    }
+  }
+  for (const Cone& cone : flags.run.cones) design.connection.cones.push_back(cone);
+  if (flags.count("--detail") > 0) design.connection.detail = flags.run.global.detail;
+  if (flags.guidance) design.guidance = *flags.guidance;
+  if (flags.t) {
+    if (design.guidance.source == DesignGuidance::Source::none)
+      throw Failure(Exit::usage, "--t weighs a guidance field; give one with --guidance", {{"option", "--t"}});
+    design.guidance.weight = 1;
+    design.guidance.t = flags.t;
+  }
+  for (DesignSingularity s : flags.singularities) {
+    s.strength = flags.strength;
+    s.pin = flags.pin;
+    const bool swirl = design.n == 1 && index_of(s.kind) > 0;
+    if (flags.relative_to.size() == 3 && !swirl)
+      s.relative_to = Vector3{flags.relative_to[0], flags.relative_to[1], flags.relative_to[2]};
+    design.singularities.push_back(std::move(s));
+  }
+  for (const DesignFixed& f : flags.fixed) design.fixed.push_back(f);
+  for (const std::string& text : flags.strokes)
+    for (DesignStroke& s : read_strokes(text)) design.strokes.push_back(std::move(s));
+  check_design(design);
+  const bool nothing = design.singularities.empty() && design.fixed.empty() && design.strokes.empty() &&
+                       !design.boundary.wanted && design.method != DesignMethod::eigen &&
+                       (design.guidance.source == DesignGuidance::Source::none ||
+                        design.guidance.source == DesignGuidance::Source::zero);
+  if (nothing)
+    throw Failure(
+        Exit::usage,
+        "nothing is designed; give --design FILE, singularities, fixed vertices, strokes, --align-boundary, or "
+        "--guidance smoothest");
+  return design;
+}
+
+FieldRunOptions run_options(const DesignFile& design) {
+  FieldRunOptions run;
+  run.n = design.n;
+  run.connection = design.connection.kind;
+  run.polar.center = design.connection.center;
+  run.global.detail = design.connection.detail;
+  run.s = design.s;
+  run.cones = design.connection.cones;
+  run.balance_cones = design.connection.balance;
+  run.generator_holonomy = design.connection.holonomy;
+  run.loop_index = design.connection.loops;
+  return run;
+}
+
+}  // namespace alcap::app

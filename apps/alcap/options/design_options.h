@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+//
+// design_options.h: the flags of `alcap design`, and the design that they make together with a design file.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "alcap/design_file.h"
+#include "alcap/field_run.h"
+#include "apps/alcap/commands/command.h"
+
+namespace alcap::app {
+
+struct DesignFlags {
+  std::filesystem::path file = {};
+  int n = 1;
+  FieldRunOptions run = {};  // connection, polar.center, cones, global.detail
+  std::vector<DesignSingularity> singularities = {};
+  std::vector<DesignFixed> fixed = {};
+  std::vector<std::string> strokes = {};  // FILE[:WEIGHT]
+  DesignBoundary boundary = {};
+  DesignMethod method = DesignMethod::variational;
+  double s = 0;
+  std::optional<DesignGuidance> guidance = {};
+  std::optional<double> t = {};
+  double strength = 1;
+  bool pin = false;
+  std::vector<double> relative_to = {};
+  std::function<std::size_t(const char* option)> count = {};  // how often an option was given
+};
+
+/// Adds --design, -n, --source ... --guidance, --method and the connection options.
+void add_design_options(CLI::App& app, DesignFlags& flags);
+
+/// The design file, if any, with what the flags add (controls, cones) and replace (n, connection, guidance). Throws
+/// FileError and OptionError.
+[[nodiscard]] DesignFile make_design(const DesignFlags& flags);
+
+/// Its connection as make_connection wants it.
+[[nodiscard]] FieldRunOptions run_options(const DesignFile& design);
+
+}  // namespace alcap::app

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+//
+// view_scene.h: what the page of apps/viewer shows, as arrays: the mesh, the field, its curves and singularities, and
+// numbers per face. Used for pages that stand alone (html_page.h) and by the studio, which sends the parts that
+// changed.
+//
+// Arrays: positions (3 #V), faces (3 #F); branch (i16, 3 #V: direction of branch 0 times 32767) and length (#V);
+// curves (3 a point) with curve_offsets; separatrices with separatrix_offsets; singular (8 each: position, normal,
+// index, swirl), singular_faces, arms (4 each: number of the singularity, direction); scalar.NAME (#F).
+// Positions are relative to meta.center, so that floats keep their digits far from the origin.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "alcap/field.h"
+#include "alcap/singularities.h"
+#include "apps/alcap/page/view_pack.h"
+
+namespace alcap::app {
+
+/// What scenes are made of. Holds references.
+struct ViewSource {
+  const Mesh& mesh;
+  const Positions<double>& V;
+  const Geometry<double>& geometry;
+  const Connection<double>& connection;
+  const Field<double>& field;
+  const std::vector<Singularity>& singularities;
+};
+
+/// Rows of the page's table of figures.
+using Figures = std::vector<std::pair<std::string, std::string>>;
+
+void add_mesh(ViewPack& pack, const Mesh& mesh, const Positions<double>& V);
+void add_field(ViewPack& pack, const ViewSource& source);
+/// Positions, indices and straight branches. `sizes` of the arms are left to the page.
+void add_singularities(ViewPack& pack, const ViewSource& source);
+/// Evenly spaced curves and separatrices. `spacing` as in StreamlineOptions.
+void add_curves(ViewPack& pack, const ViewSource& source, double spacing);
+/// A distance that suits the mesh.
+[[nodiscard]] double curve_spacing(const ViewSource& source);
+/// n = 1: divergence, curl; otherwise |d|; always |dbar|, |u| and K, as densities.
+void add_scalars(ViewPack& pack, const ViewSource& source);
+
+/// The rows that a report of `alcap field` or `alcap design` has numbers for.
+[[nodiscard]] Figures figures(const Json& report);
+
+/// Everything together: the page's data for one result. `report` may be empty.
+[[nodiscard]] ViewPack make_scene(const ViewSource& source, const std::string& title, const Json& report);
+
+}  // namespace alcap::app

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "apps/alcap/report/field_files.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+
+namespace alcap::app {
+
+void add_files_options(CLI::App& app, FilesChoice& choice) {
+  app.add_option("-o,--output", choice.output,
+                 "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
+                 "written")
+      ->type_name("OUT");
+  app.add_option("--formats", choice.formats, "Of the files in the folder, only these: ply,vtp,rawfield,rosy,...")
+      ->type_name("LIST")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
+std::vector<std::string> chosen_formats(const FilesChoice& choice) {
+  std::vector<std::string> known = field_formats();
+  if (choice.formats.empty()) return known;
+  for (const std::string& f : choice.formats) {
+    if (std::find(known.begin(), known.end(), f) == known.end())
+      throw Failure(Exit::usage, fmt::format("--formats {}: unknown; known are {}", f, fmt::join(known, ", ")),
+                    {{"option", "--formats"}, {"value", f}});
+  }
+  return choice.formats;
+}
+
+OutputPlan plan_files(const FilesChoice& choice) {
+  (void)chosen_formats(choice);
+  std::vector<std::string> extensions;
+  for (const std::string& f : field_formats()) extensions.push_back("." + f);
+  OutputPlan plan = plan_output(choice.output, extensions);
+  if (plan.kind != OutputPlan::Kind::folder && !choice.formats.empty())
+    throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",
+                  {{"option", "--formats"}});
+  return plan;
+}
+
+FieldOutput output_of(const FieldRun& run, const Positions<double>& V) {
+  return {.mesh = run.mesh,
+          .V = V,
+          .geometry = run.geometry,
+          .connection = run.connection,
+          .field = run.field,
+          .singularities = run.singularities};
+}
+
+void write_files(const OutputPlan& plan, const FilesChoice& choice, const FieldOutput& output,
+                 const std::function<std::vector<std::string>(const std::filesystem::path& folder)>& extra,
+                 const std::function<const Json&(const std::vector<std::string>& files)>& finish) {
+  std::vector<std::string> files;
+  if (plan.kind == OutputPlan::Kind::folder) {
+    write_folder(plan.target, [&](const std::filesystem::path& folder) {
+      const auto add = [&](const std::filesystem::path& name) { files.push_back((plan.target / name).string()); };
+      std::vector<std::filesystem::path> paths;
+      for (const std::string& f : chosen_formats(choice)) paths.push_back(folder / ("field." + f));
+      for (const auto& path : write_field(output, paths)) add(path.filename());
+      for (const std::string& name : extra(folder)) add(name);
+      add("report.json");
+      write_text(folder / "report.json", text_of(finish(files), 2) + "\n");
+    });
+    return;
+  }
+  if (plan.kind == OutputPlan::Kind::file)
+    write_guarded([&] {
+      for (const auto& path : write_field(output, plan.target)) files.push_back(path.string());
+    });
+  (void)finish(files);
+}
+
+}  // namespace alcap::app

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// progress.cpp: a line that is redrawn when the phase changes and five times a second.
+#include "apps/alcap/report/progress.h"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string_view>
+
+namespace alcap::app {
+namespace {
+
+bool is_terminal() {
+  if (::isatty(STDERR_FILENO) == 0) return false;
+  const char* term = std::getenv("TERM");
+  return term != nullptr && std::string_view(term) != "dumb";
+}
+
+}  // namespace
+
+Progress::Progress(bool wanted) : on_(wanted && is_terminal()) {
+  if (on_) ticker_ = std::thread([this] { tick(); });
+}
+
+Progress::~Progress() {
+  if (!on_) return;
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_one();
+  ticker_.join();
+  clear();
+}
+
+void Progress::phase(const std::string& what) {
+  if (!on_) return;
+  const std::lock_guard lock(mutex_);
+  what_ = what;
+  draw();
+}
+
+void Progress::clear() {
+  if (!on_) return;
+  const std::lock_guard lock(mutex_);
+  if (drawn_) fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  drawn_ = false;
+  what_.clear();
+}
+
+void Progress::tick() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, std::chrono::milliseconds(200), [this] { return stop_; })) draw();
+}
+
+void Progress::draw() {
+  if (what_.empty()) return;
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  fmt::print(stderr, "\r\033[K{:6.1f} s  {} ...", seconds, what_);
+  std::fflush(stderr);
+  drawn_ = true;
+}
+
+}  // namespace alcap::app

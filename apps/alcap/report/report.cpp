@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: MIT
+//
+// report.cpp: results as JSON.
+#include "apps/alcap/report/report.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "alcap/memory.h"
+#include "src/base/parallel.h"
+#include "alcap/version.h"
+
+namespace alcap::app {
+namespace {
+
+double infinity() { return std::numeric_limits<double>::infinity(); }
+
+struct Spread {
+  double least = infinity(), most = -infinity(), sum = 0;
+};
+
+/// Of value(i) for i in [0, n).
+template <class Value>
+Spread spread(std::int64_t n, Value&& value) {
+  return parallel_reduce(
+      n, Spread{},
+      [&](std::int64_t begin, std::int64_t end) {
+        Spread here;
+        for (std::int64_t i = begin; i < end; ++i) {
+          const double x = value(i);
+          here = {std::min(here.least, x), std::max(here.most, x), here.sum + x};
+        }
+        return here;
+      },
+      [](const Spread& a, const Spread& b) {
+        return Spread{std::min(a.least, b.least), std::max(a.most, b.most), a.sum + b.sum};
+      });
+}
+
+std::int64_t integer(std::size_t count) { return static_cast<std::int64_t>(count); }
+
+Json eigen_json(const EigenReport& eigen) {
+  return {{"lambda", number(eigen.lambda)},   {"next", number(eigen.next)},   {"residual", number(eigen.residual)},
+          {"iterations", eigen.iterations},   {"converged", eigen.converged}, {"solver", eigen.solver},
+          {"seconds", number(eigen.seconds)}, {"message", eigen.message}};
+}
+
+/// Of several components: eigenvalues of the largest one, the worst residual, all iterations.
+Json eigen_summary(const FieldRun& run, const FieldRunOptions& options) {
+  const auto& parts = run.topology.components;
+  const auto largest = static_cast<std::size_t>(
+      std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.faces < b.faces; }) -
+      parts.begin());
+  Json json = eigen_json(run.eigen.at(largest));
+  double residual = 0, seconds = 0;
+  std::int64_t iterations = 0;
+  for (const EigenReport& e : run.eigen) {
+    residual = std::isnan(e.residual) ? infinity() : std::max(residual, e.residual);
+    iterations += e.iterations;
+    seconds += e.seconds;
+  }
+  json["residual"] = number(residual);
+  json["iterations"] = iterations;
+  json["converged"] = run.certificate.eigen_converged;
+  json["seconds"] = number(seconds);
+  json["tolerance"] = number(options.eigen.tolerance);
+  json["component"] = largest;
+  return json;
+}
+
+Json singularity_json(const Singularity& s, Index component) {
+  return {{"face", s.face},
+          {"barycentric", {number(s.barycentric[0]), number(s.barycentric[1]), number(s.barycentric[2])}},
+          {"index", s.index},
+          {"orientation", number(s.orientation)},
+          {"located", s.located},
+          {"component", component}};
+}
+
+Json components_json(const FieldRun& run) {
+  const auto& parts = run.topology.components;
+  std::vector<double> area(parts.size(), 0.0);
+  std::vector<std::int64_t> singular(parts.size(), 0);
+  if (parts.size() == 1) {
+    area[0] = run.geometry.total_area();
+  } else {
+    for (Index t = 0; t < run.mesh.faces(); ++t)
+      area[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(t)])] += run.geometry.area(t);
+  }
+  for (const Singularity& s : run.singularities) {
+    ++singular[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(s.face)])];
+  }
+  Json list = Json::array();
+  for (std::size_t c = 0; c < parts.size(); ++c) {
+    const ComponentInfo& part = parts[c];
+    list.push_back({{"mesh",
+                     {{"vertices", part.vertices},
+                      {"edges", part.edges},
+                      {"faces", part.faces},
+                      {"boundary_loops", part.boundary_loops},
+                      {"euler", part.euler},
+                      {"genus", part.genus},
+                      {"area", number(area[c])},
+                      {"first_face", part.first_face}}},
+                    {"eigen", eigen_json(run.eigen.at(c))},
+                    {"singularities",
+                     {{"count", singular[c]},
+                      {"index_sum", run.index_sums.at(c).sum},
+                      {"expected", run.index_sums.at(c).expected}}}});
+  }
+  return list;
+}
+
+Json options_json(const FieldRunOptions& options) {
+  Json repairs = Json::array();
+  for (const Repair r : options.repairs) repairs.push_back(r == Repair::weld ? "weld" : "orient");
+  Json cones = Json::array();
+  for (const Cone& c : options.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
+  return {{"n", options.n},
+          {"energy", number(options.s)},
+          {"connection", name(options.connection, options.polar.center)},
+          {"detail", number(options.global.detail)},
+          {"cones", std::move(cones)},
+          {"balance_cones", options.balance_cones},
+          {"tolerance", number(options.eigen.tolerance)},
+          {"solver", options.eigen.solver},
+          {"method", options.eigen.method},
+          {"repairs", std::move(repairs)},
+          {"unit", options.normalise}};
+}
+
+}  // namespace
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json report_head(const std::string& command, bool ok) {
+  return {{"program", "alcap"},
+          {"version", version()},
+          {"report_version", report_version},
+          {"command", command},
+          {"ok", ok}};
+}
+
+Json error_report(const std::string& command, Exit exit, const std::string& message, const Json& details) {
+  Json error{{"kind", name(exit)}, {"exit_code", static_cast<int>(exit)}, {"message", message}};
+  error.update(details);
+  Json report = report_head(command, false);
+  report["error"] = std::move(error);
+  return report;
+}
+
+Json file_details(const FileError& error) {
+  Json details{{"path", error.path()}};
+  if (error.line() > 0) details["line"] = error.line();
+  if (error.offset() >= 0) details["offset"] = error.offset();
+  return details;
+}
+
+Json mesh_details(const MeshError& error) {
+  return {{"defect", name(error.defect())},
+          {"element", name(error.element())},
+          {"count", error.count()},
+          {"first", error.first()}};
+}
+
+const char* name(Exit exit) {
+  switch (exit) {
+    case Exit::ok:
+      return "ok";
+    case Exit::internal:
+      return "internal";
+    case Exit::usage:
+      return "usage";
+    case Exit::input:
+      return "input";
+    case Exit::mesh:
+      return "mesh";
+    case Exit::uncertified:
+      return "uncertified";
+    case Exit::output:
+      return "output";
+    case Exit::solver:
+      return "solver";
+    case Exit::interrupted:
+      return "interrupted";
+  }
+  return "internal";
+}
+
+const char* name(Defect defect) {
+  switch (defect) {
+    case Defect::empty:
+      return "empty";
+    case Defect::index_out_of_range:
+      return "index_out_of_range";
+    case Defect::not_finite:
+      return "not_finite";
+    case Defect::repeated_vertex_in_face:
+      return "repeated_vertex_in_face";
+    case Defect::non_manifold_edge:
+      return "non_manifold_edge";
+    case Defect::inconsistent_orientation:
+      return "inconsistent_orientation";
+    case Defect::duplicate_face:
+      return "duplicate_face";
+    case Defect::non_manifold_vertex:
+      return "non_manifold_vertex";
+    case Defect::zero_length_edge:
+      return "zero_length_edge";
+    case Defect::zero_area_face:
+      return "zero_area_face";
+    case Defect::not_orientable:
+      return "not_orientable";
+  }
+  return "unknown";
+}
+
+const char* name(Element element) {
+  switch (element) {
+    case Element::vertex:
+      return "vertex";
+    case Element::edge:
+      return "edge";
+    case Element::face:
+      return "face";
+  }
+  return "unknown";
+}
+
+std::string name(ConnectionKind kind, PolarCenter center) {
+  switch (kind) {
+    case ConnectionKind::polar:
+      return center == PolarCenter::incenter ? "polar" : "polar-barycenter";
+    case ConnectionKind::local:
+      return "local";
+    case ConnectionKind::global:
+      return "global";
+    case ConnectionKind::trivial:
+      return "trivial";
+  }
+  return "unknown";
+}
+
+Json input_json(const std::filesystem::path& path, const MeshFile& file) {
+  Json ignored = Json::object();
+  for (const auto& [kind, count] : file.ignored) ignored[kind] = count;
+  return {{"path", path.string()},
+          {"format", file.format},
+          {"bytes", file.bytes},
+          {"polygons_triangulated", !file.polygon_of.empty()},
+          {"ignored", std::move(ignored)}};
+}
+
+Json singularities_json(const FieldRun& run) {
+  std::int64_t sum = 0, expected = 0, positive = 0;
+  for (const IndexSum& i : run.index_sums) {
+    sum += i.sum;
+    expected += i.expected;
+  }
+  Json list = Json::array();
+  for (const Singularity& s : run.singularities) {
+    positive += s.index > 0;
+    list.push_back(singularity_json(s, run.topology.face_component[static_cast<std::size_t>(s.face)]));
+  }
+  return {{"count", run.singularities.size()},
+          {"positive", positive},
+          {"negative", integer(run.singularities.size()) - positive},
+          {"denominator", run.field.n},
+          {"index_sum", sum},
+          {"expected", expected},
+          {"list", std::move(list)}};
+}
+
+Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double>& geometry) {
+  std::int64_t genus = 0;
+  for (const ComponentInfo& part : topology.components) genus += part.genus;
+  const Spread length = spread(mesh.edges(), [&](std::int64_t e) { return geometry.lengths()[e]; });
+  const Spread angle = spread(mesh.halfedges(), [&](std::int64_t c) { return geometry.angles()[c]; });
+  return {{"vertices", mesh.vertices()},
+          {"faces", mesh.faces()},
+          {"edges", mesh.edges()},
+          {"components", topology.components.size()},
+          {"boundary_loops", topology.loops.size()},
+          {"boundary_edges", mesh.boundary_edges()},
+          {"euler", topology.euler()},
+          {"genus", genus},
+          {"unreferenced_vertices", mesh.vertices() - mesh.referenced_vertices()},
+          {"area", number(geometry.total_area())},
+          {"edge_length_min", number(length.least)},
+          {"edge_length_mean", number(length.sum / mesh.edges())},
+          {"edge_length_max", number(length.most)},
+          {"angle_min_degrees", number(angle.least * 180 / pi<double>)},
+          {"angle_max_degrees", number(angle.most * 180 / pi<double>)}};
+}
+
+Json connection_json(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
+                     const FieldRunOptions& options) {
+  const Spread density = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t] / geometry.areas()[t]; });
+  const Spread curvature = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t]; });
+  const ConnectionReport& report = connection.report;
+  return {{"kind", name(options.connection, options.polar.center)},
+          {"detail", number(options.global.detail)},
+          {"D_T", number(report.D_T)},
+          {"D_E", number(report.D_E)},
+          {"K_min_over_area", number(density.least)},
+          {"K_max_over_area", number(density.most)},
+          {"K_sum", number(curvature.sum)},
+          {"iterations", report.iterations},
+          {"residual", number(report.residual)},
+          {"converged", report.converged},
+          {"message", report.message}};
+}
+
+Json remarks_json(const std::vector<Remark>& remarks, bool warnings) {
+  Json list = Json::array();
+  for (const Remark& r : remarks) {
+    if (r.warning != warnings) continue;
+    list.push_back({{"code", r.code}, {"message", r.message}, {"count", r.count}, {"first", r.first}});
+  }
+  return list;
+}
+
+Json defects_json(const std::vector<DefectReport>& defects) {
+  Json list = Json::array();
+  for (const DefectReport& d : defects) {
+    list.push_back({{"defect", name(d.defect)},
+                    {"element", name(d.element)},
+                    {"count", d.count},
+                    {"first", d.first},
+                    {"message", d.message}});
+  }
+  return list;
+}
+
+Json times_json(const FieldTimes& times, const RunSeconds& seconds) {
+  return {{"read", number(seconds.read)},           {"mesh", number(times.mesh)},
+          {"connection", number(times.connection)}, {"assembly", number(times.assembly)},
+          {"eigen", number(times.eigen)},           {"analysis", number(times.analysis)},
+          {"write", number(seconds.write)},         {"total", number(seconds.total)}};
+}
+
+Json field_report(const std::filesystem::path& path, const MeshFile& file, const FieldRun& run,
+                  const FieldRunOptions& options) {
+  const Certificate& certificate = run.certificate;
+  Json report = report_head("field", certificate.holds());
+  report["input"] = input_json(path, file);
+  report["options"] = options_json(options);
+  report["mesh"] = mesh_json(run.mesh, run.topology, run.geometry);
+  report["connection"] = connection_json(run.mesh, run.geometry, run.connection, options);
+  report["eigen"] = eigen_summary(run, options);
+  report["singularities"] = singularities_json(run);
+  report["components"] = components_json(run);
+  report["certificate"] = {{"connection_converged", certificate.connection_converged},
+                           {"eigen_converged", certificate.eigen_converged},
+                           {"residual_small", certificate.residual_small},
+                           {"index_sums_match", certificate.index_sums_match},
+                           {"finite", certificate.finite}};
+  report["warnings"] = remarks_json(run.remarks, true);
+  report["notes"] = remarks_json(run.remarks, false);
+  report["peak_memory_bytes"] = peak_memory_bytes();
+  return report;
+}
+
+std::string summary_end(const Json& report) {
+  std::string text, files;
+  const auto line = [&](const char* label, const std::string& value) {
+    text += fmt::format("{:<14}{}\n", label, value);
+  };
+  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
+  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
+  for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
+  if (!files.empty()) line("wrote", files);
+  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
+  return text;
+}
+
+std::string grouped(std::int64_t value) {
+  const std::string digits = std::to_string(value);
+  std::string text;
+  for (std::size_t k = 0; k < digits.size(); ++k) {
+    if (k > 0 && (digits.size() - k) % 3 == 0 && digits[k - 1] != '-') text += ',';
+    text += digits[k];
+  }
+  return text;
+}
+
+}  // namespace alcap::app

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+//
+// report.h: results as JSON. The keys are an interface: docs/report.md lists every one, and a change of meaning raises
+// `report_version`. Numbers that are not finite become null.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "alcap/errors.h"
+#include "alcap/mesh_check.h"
+#include "alcap/mesh_io.h"
+#include "alcap/field_run.h"
+#include "apps/alcap/commands/command.h"
+
+namespace alcap::app {
+
+inline constexpr int report_version = 1;
+
+/// null for NaN and infinities.
+[[nodiscard]] Json number(double value);
+
+/// What every report begins with: program, version, command, ok.
+[[nodiscard]] Json report_head(const std::string& command, bool ok);
+
+/// The whole answer to a failed command.
+[[nodiscard]] Json error_report(const std::string& command, Exit exit, const std::string& message, const Json& details);
+[[nodiscard]] Json file_details(const FileError& error);
+[[nodiscard]] Json mesh_details(const MeshError& error);
+
+/// Stable names.
+[[nodiscard]] const char* name(Exit exit);
+[[nodiscard]] const char* name(Defect defect);
+[[nodiscard]] const char* name(Element element);
+[[nodiscard]] std::string name(ConnectionKind kind, PolarCenter center);
+
+[[nodiscard]] Json input_json(const std::filesystem::path& path, const MeshFile& file);
+[[nodiscard]] Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double>& geometry);
+[[nodiscard]] Json connection_json(const Mesh& mesh, const Geometry<double>& geometry,
+                                   const Connection<double>& connection, const FieldRunOptions& options);
+[[nodiscard]] Json remarks_json(const std::vector<Remark>& remarks, bool warnings);
+/// What a run found: counts, sums and the list.
+[[nodiscard]] Json singularities_json(const FieldRun& run);
+[[nodiscard]] Json defects_json(const std::vector<DefectReport>& defects);
+
+struct RunSeconds {
+  double read = 0, write = 0, total = 0;
+};
+
+/// The report of `alcap field` without its `files`.
+[[nodiscard]] Json field_report(const std::filesystem::path& path, const MeshFile& file, const FieldRun& run,
+                                const FieldRunOptions& options);
+/// Its `times`.
+[[nodiscard]] Json times_json(const FieldTimes& times, const RunSeconds& seconds);
+
+/// The last lines of a summary in words: warnings, notes, files, whether the certificate holds.
+[[nodiscard]] std::string summary_end(const Json& report);
+
+/// 69451 -> "69,451".
+[[nodiscard]] std::string grouped(std::int64_t value);
+
+}  // namespace alcap::app

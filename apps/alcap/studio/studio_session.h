@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+//
+// studio_session.h: the design that all tabs of a studio share: its history, its field, its file. Every call may come
+// from any thread.
+#pragma once
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "apps/alcap/studio/studio_solver.h"
+
+namespace alcap::app {
+
+/// What a tab is told. `result` is the last one that could be solved.
+struct StudioState {
+  std::uint64_t revision = 0;
+  DesignFile design;
+  std::shared_ptr<const StudioResult> result;
+  std::string problem = {};  ///< why the design has no field yet; empty when it has
+  std::size_t undo = 0, redo = 0;
+};
+
+class StudioSession {
+ public:
+  /// Solves `design`. Edits are saved to `file`, which appears complete or not at all. Throws what solving throws.
+  StudioSession(const StudioSurface& surface, DesignFile design, std::filesystem::path file);
+
+  /// Replaces the design by the one in the text (JSON). Edits with the same `gesture`, other than "", are one step of
+  /// the history. Throws FileError and OptionError for designs that are not well-formed or not of this surface; one
+  /// that has no field, such as cones with the wrong sum, is taken, with `problem`.
+  StudioState edit(const std::string& text, const std::string& gesture);
+  /// One step back or forward; nothing happens at the end of the history. Results are those of before, bit for bit.
+  StudioState undo();
+  StudioState redo();
+  [[nodiscard]] StudioState state() const;
+  /// Waits until the revision is another than `known`, or some seconds.
+  [[nodiscard]] std::uint64_t wait(std::uint64_t known, std::chrono::milliseconds limit) const;
+  [[nodiscard]] const StudioSurface& surface() const { return surface_; }
+  [[nodiscard]] const std::filesystem::path& file() const { return file_; }
+
+ private:
+  struct Step {
+    DesignFile design;
+    std::shared_ptr<const StudioResult> result;
+    std::string problem = {};
+  };
+  static constexpr std::size_t longest_history = 200;  // steps; a field of 25,000 vertices is 0.5 MB
+
+  [[nodiscard]] StudioState state_locked() const;
+  void changed();
+
+  const StudioSurface& surface_;
+  std::filesystem::path file_;
+  StudioSolver solver_;
+  mutable std::mutex mutex_;
+  mutable std::condition_variable moved_;
+  Step now_;
+  std::vector<Step> past_, future_;
+  std::string gesture_;
+  std::uint64_t revision_ = 1;
+};
+
+}  // namespace alcap::app

@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+//
+// field_run.h: the whole way in one call, from points and triangles to the smoothest n-field, its singularities and the
+// numbers that certify it. Each step is also a header of its own; this one only puts them in order, times them and
+// collects what deserves a remark.
+//
+//   alcap::MeshFile file = alcap::read_mesh("bunny.obj");
+//   alcap::FieldRun run = alcap::run_field(file.V, file.F, {.n = 4});
+//   if (run.certificate.holds()) use(run.field.vectors(0), run.singularities);
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "alcap/cones.h"
+#include "alcap/connection.h"
+#include "alcap/smoothest.h"
+#include "alcap/field.h"
+#include "alcap/singularities.h"
+#include "alcap/topology.h"
+
+namespace alcap {
+
+/// Repairs that move no vertex and renumber nothing.
+enum class Repair {
+  weld,    ///< faces use the first vertex at each position: joins triangle soups
+  orient,  ///< faces are turned so that neighbours agree
+};
+
+struct FieldRunOptions {
+  int n = 4;       // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
+  double s = 0.0;  // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
+  ConnectionKind connection = ConnectionKind::global;  // the most accurate one, at O(V) cost
+  PolarOptions polar = {};                             // read when connection is polar
+  GlobalOptions global = {};     // read when connection is global; its weights also measure D_T and D_E of the others
+  std::vector<Cone> cones = {};  // read when connection is trivial: they must sum to the Euler characteristic
+  bool balance_cones = false;    // or, with this, are added until they do, see cones.h
+  std::vector<double> generator_holonomy = {};  // of the trivial connection, see TrivialOptions
+  std::vector<double> loop_index = {};          // of the trivial connection, see TrivialOptions
+  EigenOptions eigen = {};                      // tolerance and solver
+  std::vector<Repair> repairs = {};  // none by default: a mesh is not changed unasked. Welding always comes first
+  bool normalise = false;            // true: divide by |u| afterwards, an n-direction field
+  int threads = 0;                   // 0: as many as the machine has; results do not depend on it
+  /// Called on the calling thread when a phase starts: "mesh", "connection", "solve", "analysis". An exception thrown
+  /// here ends the run and reaches the caller.
+  std::function<void(std::string_view phase)> progress = {};
+};
+
+/// Something the user should know about a run that worked. `code` is stable, the message is one sentence.
+struct Remark {
+  std::string code = {};
+  bool warning = true;  ///< false: worth a note, nothing to worry about
+  std::string message = {};
+  std::int64_t count = 0;         ///< elements concerned, 0 when it is not about elements
+  std::vector<Index> first = {};  ///< the first of them, at most 8
+};
+
+/// What must hold for the result to be what it claims to be.
+struct Certificate {
+  bool connection_converged = false;
+  bool eigen_converged = false;   ///< on every component
+  bool residual_small = false;    ///< recomputed residual <= tolerance, on every component
+  bool index_sums_match = false;  ///< Poincare-Hopf, on every component
+  bool finite = false;            ///< no value of the field is NaN or infinite
+  [[nodiscard]] bool holds() const {
+    return connection_converged && eigen_converged && residual_small && index_sums_match && finite;
+  }
+};
+
+/// Wall-clock seconds.
+struct FieldTimes {
+  double mesh = 0;  ///< repairs, half-edges, topology, lengths and angles
+  double connection = 0;
+  double assembly = 0;
+  double eigen = 0;
+  double analysis = 0;  ///< vertex frames, indices, zeros, certificate
+};
+
+/// Everything a run computed. Vertices and faces are numbered as they came.
+struct FieldRun {
+  Mesh mesh;
+  Topology topology;
+  Geometry<double> geometry;
+  Connection<double> connection;
+  std::vector<Cone> cones;  ///< of a trivial connection, those that were added included
+  Field<double> field;
+  std::vector<EigenReport> eigen;          ///< per component, in the order of topology
+  std::vector<int> indices;                ///< #F, in n-ths
+  std::vector<IndexSum> index_sums;        ///< per component
+  std::vector<Singularity> singularities;  ///< in order of faces
+  Certificate certificate;
+  std::vector<Remark> remarks;
+  FieldTimes times;
+};
+
+/// Smoothest n-field of a mesh, V #V x 3, F #F x 3. Throws MeshError for a mesh that cannot be used, OptionError for
+/// bad options, SolveError when a solver fails. What did not converge is told by the certificate, not thrown. The faces
+/// become those of the result's mesh: std::move them where memory counts.
+[[nodiscard]] FieldRun run_field(const Positions<double>& V, Faces F, const FieldRunOptions& options = {});
+
+/// The faces after the repairs asked for (welding first); appends what was done to `remarks`. Throws MeshError when a
+/// repair is impossible.
+[[nodiscard]] Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vector<Repair>& repairs,
+                                  std::vector<Remark>& remarks);
+
+/// The cones that the options describe: balanced if wanted, none unless the connection is trivial. Throws OptionError.
+[[nodiscard]] std::vector<Cone> make_cones(const Mesh& mesh, const Geometry<double>& geometry,
+                                           const FieldRunOptions& options);
+
+/// The connection that the options describe, with cones = make_cones(). Throws OptionError.
+[[nodiscard]] Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry,
+                                                 const FieldRunOptions& options, const std::vector<Cone>& cones);
+
+/// What is worth saying about a mesh that can be used: unreferenced vertices, pieces that only touch, boundary,
+/// slivers.
+[[nodiscard]] std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
+                                               const Geometry<double>& geometry);
+
+}  // namespace alcap

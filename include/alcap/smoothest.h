@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: MIT
+//
+// smoothest.h: fields from energies (LTGD 2016, Sec. 7): the smallest eigenvector of the connection Laplacian, one
+// component at a time.
+//
+//   auto result = alcap::smoothest_field(mesh, geometry, connection, frames, {.n = 4});
+//   result.field.u, result.components[0].lambda ...
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "alcap/field.h"
+#include "alcap/solve.h"
+#include "alcap/topology.h"
+
+namespace alcap {
+
+struct SmoothestOptions {
+  int n = 1;  // 1 vector field, 2 line field, 4 cross field
+  /// Knoeppel et al. 2013, energy family E_s = (1+s) E_H + (1-s) E_A, s in [-1, 1]. 0 is the Dirichlet energy.
+  double s = 0.0;
+  EigenOptions eigen = {};  // tolerance, backend
+};
+
+struct SmoothestResult {
+  Field<double> field;
+  /// One per connected component of the mesh, in the order of topology.h.
+  std::vector<EigenReport> components;
+  double assembly_seconds = 0;
+  double eigen_seconds = 0;
+};
+
+/// The smoothest n-vector field: per component the smallest eigenpair of E_s against the mass matrix, with |u|_M = 1.
+/// Throws OptionError for n < 1 or s outside [-1, 1]. Non-convergence is reported, not thrown.
+[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
+                                              const Connection<double>& connection,
+                                              std::shared_ptr<const Frames<double>> frames,
+                                              const SmoothestOptions& options = {});
+
+/// The same with the topology of the mesh, where the caller has it. The frames may be empty and set afterwards.
+[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
+                                              const Connection<double>& connection, const Topology& topology,
+                                              std::shared_ptr<const Frames<double>> frames,
+                                              const SmoothestOptions& options = {});
+
+}  // namespace alcap

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: MIT
+//
+// cascade.cpp: smallest eigenpair by a cascade: block LOBPCG (Knyazev 2001) on every level of the multigrid hierarchy of
+// S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; on the finest a few
+// steps with the problem's own matrices (lobpcg_finest.h), then one vector in double (lobpcg_refine.h). The other
+// vectors of the block stay in its basis, so that clusters of eigenvalues (round spheres have 2n + 1 equal ones) do not
+// slow it down; where members of a cluster lie too close for single precision they are refined too (lobpcg_cluster.h).
+//
+// Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
+// and three double ones and the members of a cluster, whatever is more.
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "src/base/random.h"
+#include "solvers/linear/backends.h"
+#include "solvers/eigenpair/cluster.h"
+#include "solvers/eigenpair/block_descent.h"
+
+namespace alcap::detail {
+namespace {
+
+/// The hierarchy's shift in units of -1/area: a tenth of the smallest eigenvalue of a round sphere. Enough to keep the
+/// cycle from blowing up the null vectors of a flat surface, too little to be felt elsewhere.
+constexpr double relative_shift = 1;
+/// Before the finest level cycles are shifted to this part of the smallest eigenvalue of the level before. Without that
+/// they shrink an error along the k-th eigenvector by lambda_1 / lambda_k only, which is little where eigenvalues lie
+/// close (noisy scans). Nearer to 1 what is wrong with the vectors of coarse levels drowns the rest.
+constexpr double cycle_shift = 0.8;
+/// Negative eigenvalues up to this part of 1/area are rounding.
+constexpr double negligible = 1e-2;
+/// Up to here a factorisation is quicker whatever the spectrum, and reaches the last digit.
+constexpr Eigen::Index factorised_rows = 512;
+/// A coarsest level of so many rows is solved directly, in a few milliseconds.
+constexpr Index direct_rows = 96;
+/// Steps of block LOBPCG from random vectors on a larger coarsest level, and on the levels between.
+constexpr int coarsest_steps = 6;
+constexpr int level_steps = 3;
+/// At most so many steps of the whole block on the finest level.
+constexpr int finest_steps = 6;
+/// A block whose eigenvalues all lie within this factor of the first is smaller than the cluster they make.
+constexpr double cluster = 1.03;
+/// Steps on the finest level go on until the first two eigenvalues change by no more than this, and those that lie this
+/// close to the first by no more than that.
+constexpr double next_settled = 5e-2;
+constexpr double close = 1.0005;
+constexpr double close_settled = 1e-5;
+/// A block ends where eigenvalues have grown by this factor: what lies beyond converges fast. Blocks of 4 cost little
+/// less than blocks of 8, so they are for clear gaps.
+constexpr double gap_of_4 = 1.3;
+constexpr double gap = 1.1;
+/// Refinement that needs more iterations than this would be slower than a factorisation.
+constexpr int refine_limit = 100;
+
+/// The level's vectors from those of the next coarser one, the first K of the C there.
+template <int K, int C>
+Buffer<float> prolonged(const Level& level, const Buffer<float>& coarse) {
+  Buffer<float> narrow;
+  const float* from = coarse.data();
+  if constexpr (K != C) {
+    const std::int64_t rows = coarse.size() / (2 * C);
+    narrow = Buffer<float>(2 * K * rows);
+    for (std::int64_t i = 0; i < rows; ++i) {
+      std::copy_n(from + 2 * C * i, K, narrow.data() + 2 * K * i);
+      std::copy_n(from + 2 * C * i + C, K, narrow.data() + 2 * K * i + K);
+    }
+    from = narrow.data();
+  }
+  Buffer<float> fine(2 * K * std::int64_t{level.rows()});
+  multiply_rows<K>(level.prolongation, from, fine.data());
+  return fine;
+}
+
+class Cascade {
+ public:
+  Cascade(const HermitianMatrix& S, const HermitianMatrix& M, bool transports, double area, const EigenOptions& options)
+      : pencil_{S, M}, options_(options) {
+    Buffer<double> mass(S.rows());
+    parallel_for(S.rows(), [&](std::int64_t j) {
+      double sum = 0;
+      for (Index e = M.outerIndexPtr()[j]; e < M.outerIndexPtr()[j + 1]; ++e)
+        sum += std::sqrt(std::norm(M.valuePtr()[e]));
+      mass[j] = sum;
+    });
+    const double total = parallel_sum<double>(S.rows(), [&](std::int64_t j) { return mass[j]; });
+    if (!(total > 0)) throw SolveError("the mass matrix is zero or not positive");
+    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / area}, transports ? &M : nullptr, options.cancel);
+    pencil_.S_scale = 1 / hierarchy_.unit();
+    pencil_.M_scale = static_cast<double>(S.rows()) / total;
+    unit_ = pencil_.S_scale / pencil_.M_scale;
+    floor_ = unit_ / area;
+    masses(mass);
+  }
+
+  /// Throws nothing when it does not converge: see Refined::end.
+  Refined run() {
+    std::size_t l = hierarchy_.levels().size() - 1;
+    const auto rows = [&] { return hierarchy_.levels()[l].rows(); };
+    // A coarsest level too small for the largest block is good for one of 8, which is nearly always enough.
+    if (l > 0 && rows() >= 8 && rows() < 16) {
+      Refined result = from_coarsest<8>(l);
+      if (result.end != Refined::End::narrow) return result;
+    }
+    while (l > 0 && rows() < 16) --l;
+    if (rows() >= 16) return from_coarsest<16>(l);
+    if (rows() >= 4) return from_coarsest<4>(l);
+    return {};
+  }
+
+  [[nodiscard]] double unit() const { return unit_; }
+
+ private:
+  /// Lumped masses of all levels in their scaled unknowns: row sums along the near-null vectors.
+  void masses(const Buffer<double>& finest) {
+    const std::vector<Level>& levels = hierarchy_.levels();
+    for (const Level& level : levels) masses_.emplace_back(level.rows());
+    parallel_for(levels[0].rows(), [&](std::int64_t i) {
+      const double near = levels[0].near[i];
+      masses_[0][i] = static_cast<float>(finest[i] * pencil_.M_scale / (near * near));
+    });
+    for (std::size_t l = 1; l < levels.size(); ++l) {
+      const Level& fine = levels[l - 1];
+      const Rows& R = fine.restriction;
+      parallel_for(levels[l].rows(), [&](std::int64_t c) {
+        float sum = 0;
+        for (std::int64_t e = R.start[c]; e < R.start[c + 1]; ++e)
+          sum += std::sqrt(std::norm(R.value[e])) * masses_[l - 1][R.column[e]] * fine.near[R.column[e]];
+        masses_[l][c] = sum / levels[l].near[c];
+      });
+    }
+  }
+
+  /// Shifts the cycles, `smallest` being the smallest eigenvalue of the shifted level 1.
+  void shift(double smallest) {
+    const double sigma = cycle_shift * std::max(0.0, smallest + shifted_ - 2 * floor_) - shifted_;
+    if (sigma <= 0) return;
+    hierarchy_.shift(masses_, static_cast<float>(sigma));
+    shifted_ += sigma;
+  }
+
+  /// The K lowest eigenvectors of a small level, all at once.
+  template <int K>
+  Buffer<float> directly(std::size_t l, VectorX<double>& values) const {
+    const Level& level = hierarchy_.levels()[l];
+    const Index n = level.rows();
+    VectorX<double> root(n);
+    for (Index i = 0; i < n; ++i) root[i] = 1 / std::sqrt(std::max(masses_[l][i], std::numeric_limits<float>::min()));
+    MatrixX<std::complex<double>> A = MatrixX<std::complex<double>>::Identity(n, n);
+    for (Index i = 0; i < n; ++i)
+      for (std::int64_t e = level.off.start[i]; e < level.off.start[i + 1]; ++e)
+        A(i, level.off.column[e]) = std::complex<double>(level.off.value[e]);
+    const Eigen::SelfAdjointEigenSolver<MatrixX<std::complex<double>>> solver(root.asDiagonal() * A *
+                                                                              root.asDiagonal());
+    values = solver.eigenvalues().head(K);
+    Buffer<float> x(2 * K * std::int64_t{n});
+    for (Index i = 0; i < n; ++i)
+      for (int k = 0; k < K; ++k) {
+        const std::complex<double> z = root[i] * solver.eigenvectors()(i, k);
+        x[2 * K * std::int64_t{i} + k] = static_cast<float>(z.real());
+        x[2 * K * std::int64_t{i} + K + k] = static_cast<float>(z.imag());
+      }
+    return x;
+  }
+
+  template <int K>
+  Refined from_coarsest(std::size_t l) {
+    VectorX<double> values;
+    Buffer<float> x;
+    if (hierarchy_.levels()[l].rows() <= direct_rows) {
+      x = directly<K>(l, values);
+    } else {
+      Random random(options_.seed);
+      x = Buffer<float>(2 * K * std::int64_t{hierarchy_.levels()[l].rows()});
+      for (std::int64_t k = 0; k < x.size(); ++k) x[k] = static_cast<float>(random.uniform(-1, 1));
+      x = on_level<K>(l, std::move(x), coarsest_steps, values);
+    }
+    if (values.size() < K) return {};
+    if (l == 0) return finest<K>(std::move(x), values);
+    // The coarsest level knows the spectrum roughly: a block that turns out too small is done again.
+    const auto enough = [&](int k) { return k < K && values[k] >= (k == 4 ? gap_of_4 : gap) * values[0]; };
+    Refined result = too_narrow();
+    if (K == 4 || enough(4)) result = down<4, K>(l, x, values);
+    if constexpr (K >= 8) {
+      if (result.end == Refined::End::narrow && (K == 8 || enough(8))) result = down<8, K>(l, x, values);
+    }
+    if constexpr (K >= 16) {
+      if (result.end == Refined::End::narrow) result = down<16, K>(l, x, values);
+    }
+    return result;
+  }
+
+  /// Whether a cluster may go on beyond a block that could be wider.
+  template <int K>
+  static bool narrow(const VectorX<double>& values) {
+    return K < 16 && values[K - 1] <= cluster * values[0];
+  }
+
+  static Refined too_narrow() {
+    Refined result;
+    result.end = Refined::End::narrow;
+    return result;
+  }
+
+  template <int K, int C>
+  Refined down(std::size_t l, const Buffer<float>& coarsest, VectorX<double> values) {
+    Buffer<float> x = prolonged<K, C>(hierarchy_.levels()[l - 1], coarsest);
+    for (--l; l > 0; --l) {
+      x = on_level<K>(l, std::move(x), level_steps, values);
+      if (values.size() < K) return {};
+      if (narrow<K>(values)) return too_narrow();
+      x = prolonged<K, K>(hierarchy_.levels()[l - 1], x);
+    }
+    return finest<K>(std::move(x), values);
+  }
+
+  /// A few steps of block LOBPCG.
+  template <int K>
+  Buffer<float> on_level(std::size_t l, Buffer<float> x, int steps, VectorX<double>& values) {
+    const LevelPencil pencil{hierarchy_.levels()[l], masses_[l]};
+    BlockSolver<K, LevelPencil> solver(pencil, hierarchy_.levels()[l].rows(), std::move(x));
+    auto workspace = hierarchy_.workspace<K>(l);
+    for (int s = 0; s < steps && solver.values().size() == K; ++s) {
+      check_cancelled(options_.cancel);
+      solver.step([&](const float* r, float* w) {
+        std::copy(r, r + workspace.b[l].size(), workspace.b[l].data());
+        hierarchy_.cycle<K>(workspace, l);
+        std::copy(workspace.x[l].data(), workspace.x[l].data() + workspace.x[l].size(), w);
+      });
+    }
+    values = solver.values();
+    return std::move(solver.vectors().v);
+  }
+
+  template <int K>
+  Refined finest(Buffer<float> x, const VectorX<double>& values) {
+    if (values.size() < K) return {};
+    shift(values[0]);
+    FinestBlock<K> block(pencil_, hierarchy_, std::move(x));
+    int steps = 0;
+    const int most = std::min(finest_steps, options_.max_iterations);
+    for (bool settled = false; !settled && steps < most && block.values().size() == K; ++steps) {
+      check_cancelled(options_.cancel);
+      const VectorX<double> before = block.values();
+      if (!block.step()) break;
+      const VectorX<double>& now = block.values();
+      // What is told apart here need not be in double (lobpcg_cluster.h).
+      const Eigen::Index members = (now.array() <= close * now[0]).cast<Eigen::Index>().sum();
+      const double change = (before - now).head(std::max<Eigen::Index>(2, members)).cwiseAbs().maxCoeff();
+      settled = change <= (members > 1 ? close_settled : next_settled) * std::max(now[0], floor_);
+    }
+    if (block.values().size() < K) return {};
+    if (narrow<K>(block.values())) return too_narrow();
+    const RefineOptions refinement{.tolerance = options_.tolerance,
+                                   .floor = floor_,
+                                   .negative = negligible * floor_,
+                                   .max_iterations = std::min(refine_limit, options_.max_iterations - steps),
+                                   .cancel = options_.cancel};
+    const VectorX<double> theta = block.values();
+    Refined result = refine_first<K>({pencil_, hierarchy_, masses_[0]}, block.take(), theta, refinement);
+    result.iterations += steps;
+    return result;
+  }
+
+  FinePencil pencil_;
+  const EigenOptions& options_;
+  double unit_ = 1;   // eigenvalues of the pencil per eigenvalue of the problem
+  double floor_ = 0;  // 1/area in the pencil's unit
+  Hierarchy hierarchy_;
+  double shifted_ = 0;  // of its coarser levels, in the pencil's unit
+  std::vector<Buffer<float>> masses_;
+};
+
+/// What the pencil needs: compressed, the same pattern.
+bool same_pattern(const HermitianMatrix& A, const HermitianMatrix& B) {
+  return A.isCompressed() && B.isCompressed() && A.nonZeros() == B.nonZeros() &&
+         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1, B.outerIndexPtr()) &&
+         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
+}
+
+/// The way out when the cascade does not arrive: a factorisation.
+EigenResult directly(const EigenProblem& problem, EigenOptions options, const std::string& why) {
+  if (options.solver == "auto" || options.solver == "multigrid") options.solver = linear_solvers().front();
+  // A basis of a Krylov space needs room.
+  constexpr Eigen::Index tiny = 48;
+  EigenResult result = problem.S.rows() <= tiny ? smallest_dense(problem, options) : smallest_lanczos(problem, options);
+  result.report.message = why + (why.empty() || result.report.message.empty() ? "" : "; ") + result.report.message;
+  return result;
+}
+
+}  // namespace
+
+EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options) {
+  if (problem.S.rows() <= factorised_rows) return directly(problem, options, "");
+  HermitianMatrix S, M;
+  const bool same = same_pattern(problem.S, problem.M);
+  if (!same) {
+    S = problem.S + 0.0 * problem.M;
+    M = 0.0 * problem.S + problem.M;
+    S.makeCompressed();
+    M.makeCompressed();
+  }
+  Refined refined;
+  double unit = 1;
+  try {
+    Cascade cascade(same ? problem.S : S, same ? problem.M : M, same, problem.area, options);
+    unit = cascade.unit();
+    refined = cascade.run();
+  } catch (const SolveError& e) {
+    // Not positive somewhere: what exactly, the factorisation will say.
+    if (problem.S.rows() > factorisable_rows) throw;
+    return directly(problem, options, std::string(e.what()) + ": factorised instead");
+  }
+  if (refined.u.size() == 0 || refined.end == Refined::End::indefinite) {
+    if (problem.S.rows() > factorisable_rows)
+      throw SolveError("the problem is unfit for multigrid, and too large to be factorised unasked");
+    return directly(problem, options, "the problem is unfit for multigrid: factorised instead");
+  }
+  EigenResult result;
+  result.u = std::move(refined.u);
+  result.report.iterations = refined.iterations;
+  result.report.solver = "LOBPCG, multigrid";
+  result.report.next = refined.next / unit;
+  conclude(problem, options, result);
+  if (result.report.converged || refined.iterations >= options.max_iterations) return result;
+  const std::string why = "LOBPCG stopped at a residual of " + std::to_string(result.report.residual) + " after " +
+                          std::to_string(refined.iterations) + " iterations: ";
+  if (problem.S.rows() <= factorisable_rows) return directly(problem, options, why + "factorised instead");
+  result.report.message = why + "too large to be factorised instead";
+  return result;
+}
+
+}  // namespace alcap::detail

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: MIT
+#include "solvers/eigenpair/problem.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/random.h"
+#include "src/base/parallel.h"
+#include "solvers/linear/backends.h"
+
+namespace alcap::detail {
+namespace {
+
+/// Shift in units of -1/area: S - sigma M is then positive definite also when S is singular, and far smaller than the
+/// smallest eigenvalue of a curved surface (about 4 pi n / area), so that it costs no convergence.
+constexpr double relative_shift = 1e-3;
+/// When S is a little indefinite, the shift grows by this factor, this many times.
+constexpr double shift_growth = 100;
+constexpr int shift_attempts = 3;
+
+}  // namespace
+
+PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu) {
+  Su.resize(u.size());
+  Mu.resize(u.size());
+  hermitian_product(problem.M, u.data(), Mu.data());
+  const double norm = std::sqrt(u.dot(Mu).real());
+  if (!(norm > 0)) throw SolveError("the mass matrix is not positive definite");
+  u /= norm;
+  Mu /= norm;
+  hermitian_product(problem.S, u.data(), Su.data());
+  PairCheck check;
+  check.lambda = u.dot(Su).real() / u.dot(Mu).real();
+  const double difference = (Su - check.lambda * Mu).norm();
+  check.residual = difference / (std::max(check.lambda, 1 / problem.area) * Mu.norm());
+  return check;
+}
+
+double rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda) {
+  const auto absolute_product = [&u](const HermitianMatrix& A, Eigen::Index j) {
+    double sum = 0;
+    for (HermitianMatrix::InnerIterator it(A, j); it; ++it) sum += std::abs(it.value()) * std::abs(u[it.row()]);
+    return sum;
+  };
+  const double squares = parallel_sum<double>(u.size(), [&](std::int64_t j) {
+    const double r = absolute_product(problem.S, j) + std::abs(lambda) * absolute_product(problem.M, j);
+    return r * r;
+  });
+  ComplexVector Mu(u.size());
+  hermitian_product(problem.M, u.data(), Mu.data());
+  // 8: a handful of rounded operations on each of these terms, in the product here and in the solves before.
+  constexpr double margin = 8 * 2.2204460492503131e-16;
+  return margin * std::sqrt(squares) / (std::max(lambda, 1 / problem.area) * Mu.norm());
+}
+
+void conclude(const EigenProblem& problem, const EigenOptions& options, EigenResult& result) {
+  EigenReport& report = result.report;
+  fix_phase(result.u);
+  ComplexVector Su;
+  ComplexVector Mu;
+  const PairCheck check = check_pair(problem, result.u, Su, Mu);
+  report.lambda = check.lambda;
+  report.residual = check.residual;
+  report.next = std::max(report.next, report.lambda);
+  report.converged = check.residual <= options.tolerance;
+  if (report.converged) return;
+  const double floor = rounding_floor(problem, result.u, check.lambda);
+  report.converged = check.residual <= floor;
+  report.message = report.converged ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
+                                    : "the residual asked for was not reached";
+}
+
+void fix_phase(ComplexVector& u) {
+  const double largest = u.cwiseAbs().maxCoeff();
+  for (const std::complex<double>& z : u) {
+    if (std::abs(z) < (1 - 1e-6) * largest) continue;
+    u *= std::conj(z) / std::abs(z);
+    return;
+  }
+}
+
+ComplexVector start_vector(Eigen::Index rows, std::uint64_t seed) {
+  Random random(seed);
+  ComplexVector u(rows);
+  for (std::complex<double>& z : u) {
+    const double re = random.uniform(-1, 1);
+    z = {re, random.uniform(-1, 1)};
+  }
+  return u;
+}
+
+std::vector<double> ritz_values(const EigenProblem& problem, const MatrixX<std::complex<double>>& Y) {
+  using Dense = MatrixX<std::complex<double>>;
+  Dense product(Y.rows(), Y.cols());
+  const auto projected = [&](const HermitianMatrix& A) {
+    for (Eigen::Index c = 0; c < Y.cols(); ++c) hermitian_product(A, Y.col(c).data(), product.col(c).data());
+    return Dense(Y.adjoint() * product);
+  };
+  const Dense gram = projected(problem.M);
+  const Eigen::SelfAdjointEigenSolver<Dense> basis(gram);
+  // A direction with this little of the whole is a copy plus rounding: Ritz vectors are orthonormal to about 1e-8.
+  constexpr double dependent = 1e-6;
+  const Eigen::Index first =
+      (basis.eigenvalues().array() < dependent * basis.eigenvalues()[Y.cols() - 1]).cast<Eigen::Index>().sum();
+  const Eigen::Index rank = Y.cols() - first;
+  const Dense W =
+      basis.eigenvectors().rightCols(rank) * basis.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Dense> ritz(Dense(W.adjoint() * projected(problem.S) * W),
+                                                  Eigen::EigenvaluesOnly);
+  return {ritz.eigenvalues().begin(), ritz.eigenvalues().end()};
+}
+
+HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma) {
+  const bool same_pattern = S.isCompressed() && M.isCompressed() && S.nonZeros() == M.nonZeros() &&
+                            std::equal(S.outerIndexPtr(), S.outerIndexPtr() + S.cols() + 1, M.outerIndexPtr()) &&
+                            std::equal(S.innerIndexPtr(), S.innerIndexPtr() + S.nonZeros(), M.innerIndexPtr());
+  if (!same_pattern) return S - sigma * M;
+  HermitianMatrix A = S;
+  std::complex<double>* a = A.valuePtr();
+  const std::complex<double>* m = M.valuePtr();
+  parallel_for(A.nonZeros(), [=](std::int64_t k) { a[k] -= sigma * m[k]; });
+  return A;
+}
+
+ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options) {
+  // Iterative backends: a hundredth of the outer tolerance, but nothing below what double precision gives.
+  const double inner = std::max(1e-2 * options.tolerance, 1e-13);
+  ShiftInverted result;
+  result.solver =
+      make_linear_solver<std::complex<double>>({.name = options.solver, .tolerance = inner, .cancel = options.cancel});
+  if (problem.M.nonZeros() == problem.S.nonZeros()) result.solver->set_transport(problem.M);
+  result.sigma = -relative_shift / problem.area;
+  for (int attempt = 1;; ++attempt) {
+    result.A = shifted(problem.S, problem.M, result.sigma);
+    if (attempt == 1) result.solver->analyse(result.A);
+    try {
+      result.solver->factorise(result.A);
+      return result;
+    } catch (const SolveError&) {
+      if (attempt == shift_attempts) throw;
+    }
+    result.sigma *= shift_growth;
+  }
+}
+
+EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options) {
+  using Dense = MatrixX<std::complex<double>>;
+  const Dense S(problem.S);
+  const Dense M(problem.M);
+  if (M.llt().info() != Eigen::Success) throw SolveError("the mass matrix is not positive definite");
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> solver(S, M);
+  EigenResult result;
+  result.report.solver = "dense";
+  result.u = solver.eigenvectors().col(0);
+  result.report.next = solver.eigenvalues()[std::min<Eigen::Index>(1, S.rows() - 1)];
+  conclude(problem, options, result);
+  return result;
+}
+
+}  // namespace alcap::detail

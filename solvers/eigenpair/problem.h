@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: MIT
+//
+// problem.h: what all eigensolvers share: the true residual, the start vector, the phase, the dense solver for
+// tiny problems. Internal to solvers/.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "alcap/solve.h"
+
+namespace alcap::detail {
+
+using HermitianMatrix = SparseMatrix<std::complex<double>>;
+using ComplexVector = ComplexVectorX<double>;
+
+/// S u = lambda M u and the scale 1/area of its eigenvalues.
+struct EigenProblem {
+  const HermitianMatrix& S;
+  const HermitianMatrix& M;
+  double area;
+};
+
+/// What a vector is worth as an eigenvector.
+struct PairCheck {
+  double lambda = 0;    ///< Rayleigh quotient
+  double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|)
+};
+
+/// Scales u to |u|_M = 1 and computes its Rayleigh quotient and residual. `Su`, `Mu` are workspace and hold the
+/// products afterwards.
+[[nodiscard]] PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu);
+
+/// The residual below which rounding in S u and M u alone drowns everything: no solver can be asked for less.
+[[nodiscard]] double rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda);
+
+/// Fills `converged`, `lambda`, `residual` and `message` from a last check against the tolerance, fixes the phase.
+void conclude(const EigenProblem& problem, const EigenOptions& options, EigenResult& result);
+
+/// Makes the entry of largest modulus real and positive: the first among those within 1e-6 of the largest, so that the
+/// choice does not hang on last bits.
+void fix_phase(ComplexVector& u);
+
+/// Independent uniform entries in the square [-1, 1)^2, the same on every machine.
+[[nodiscard]] ComplexVector start_vector(Eigen::Index rows, std::uint64_t seed);
+
+/// Rayleigh-Ritz in the complex span of the columns of Y: ascending Ritz values. Columns that depend on others (u and
+/// iu in the real view) count once.
+[[nodiscard]] std::vector<double> ritz_values(const EigenProblem& problem, const MatrixX<std::complex<double>>& Y);
+
+/// S - sigma M.
+[[nodiscard]] HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma);
+
+/// A = S - sigma M, positive definite also when S is singular or a little indefinite, and its factorisation.
+struct ShiftInverted {
+  HermitianMatrix A;
+  double sigma = 0;
+  std::unique_ptr<LinearSolver<std::complex<double>>> solver;
+};
+/// By the linear backend that the options name. Throws SolveError when S is clearly indefinite.
+[[nodiscard]] ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options);
+
+[[nodiscard]] EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options);
+[[nodiscard]] EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options);
+[[nodiscard]] EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options);
+[[nodiscard]] EigenResult smallest_inverse_iteration(const EigenProblem& problem, const EigenOptions& options);
+
+}  // namespace alcap::detail

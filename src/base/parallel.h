@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: MIT
+//
+// parallel.h: the only door to oneTBB. Loops write disjoint elements; reductions run over fixed chunks and add
+// the partial results in order, so no result depends on the number of threads.
+//
+//   parallel_for(n, [&](std::int64_t i) { y[i] = 2 * x[i]; });
+//   double s = parallel_sum<double>(n, [&](std::int64_t i) { return x[i] * y[i]; });
+//   run_with_threads(4, [&] { ... everything inside uses at most 4 threads ... });
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <vector>
+
+// ThreadSanitizer cannot find the line of every access in code that was inlined into the scheduler. So bodies have
+// frames of their own there, and tests/support/tsan.supp silences the scheduler by the name of its functions; what it passes to
+// a body, which it synchronises in ways that are not seen, is read without checks.
+#if defined(__SANITIZE_THREAD__)
+#include <sanitizer/tsan_interface.h>
+#define ALCAP_OWN_FRAME [[gnu::noinline]]
+#define ALCAP_UNCHECKED __attribute__((no_sanitize("thread")))
+#else
+#define ALCAP_OWN_FRAME
+#define ALCAP_UNCHECKED
+#endif
+
+namespace alcap {
+
+namespace detail {
+
+/// Tells ThreadSanitizer what it cannot see inside TBB: what was written before a parallel region is visible in it, and
+/// what is written in it is visible after it. Races between the bodies stay visible. Compiles to nothing otherwise.
+class RegionMarks {
+ public:
+#if defined(__SANITIZE_THREAD__)
+  void before() { __tsan_release(&start_); }
+  void enter() { __tsan_acquire(&start_); }
+  void leave() { __tsan_release(&end_); }
+  void after() { __tsan_acquire(&end_); }
+
+ private:
+  char start_ = 0;
+  char end_ = 0;
+#else
+  void before() {}
+  void enter() {}
+  void leave() {}
+  void after() {}
+#endif
+};
+
+template <class Body, class... Arguments>
+ALCAP_OWN_FRAME void run_body(Body& body, Arguments... arguments) {
+  body(arguments...);
+}
+
+}  // namespace detail
+
+/// Elements per chunk of a reduction or scan. Part of the definition of every reduced value: changing it changes
+/// last bits of sums. Large enough that a chunk outweighs a task, small enough to balance 50K-triangle meshes.
+inline constexpr std::int64_t reduction_chunk = 4096;
+
+/// Below this many elements a loop runs on the calling thread.
+inline constexpr std::int64_t sequential_below = 2048;
+
+/// The most threads that a loop started here uses.
+[[nodiscard]] inline int thread_limit() { return tbb::this_task_arena::max_concurrency(); }
+
+/// Calls body(begin, end) over disjoint ranges that cover [0, n); range limits are multiples of `grain`. One thread
+/// gets one range: on small meshes the scheduling of tasks would take a tenth of a run.
+template <class Body>
+void parallel_ranges(std::int64_t n, std::int64_t grain, Body&& body) {
+  if (n <= 0) return;
+  const std::int64_t chunks = (n + grain - 1) / grain;
+  if (chunks == 1 || thread_limit() == 1) {
+    body(std::int64_t{0}, n);
+    return;
+  }
+  detail::RegionMarks marks;
+  marks.before();
+  const auto run = [&](const tbb::blocked_range<std::int64_t>& r) ALCAP_UNCHECKED {
+    marks.enter();
+    detail::run_body(body, r.begin() * grain, std::min(n, r.end() * grain));
+    marks.leave();
+  };
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, chunks), run);
+  marks.after();
+}
+
+/// Calls body(i) for i in [0, n) in any order. Bodies must write disjoint elements.
+template <class Body>
+void parallel_for(std::int64_t n, Body&& body, std::int64_t grain = sequential_below) {
+  parallel_ranges(n, grain, [&](std::int64_t begin, std::int64_t end) {
+    for (std::int64_t i = begin; i < end; ++i) body(i);
+  });
+}
+
+/// Reduces over fixed chunks: chunk_value(begin, end) per chunk of `reduction_chunk` elements, combined in order by
+/// total = join(total, chunk). Bitwise independent of the number of threads.
+template <class T, class ChunkValue, class Join>
+[[nodiscard]] T parallel_reduce(std::int64_t n, T init, ChunkValue&& chunk_value, Join&& join) {
+  const std::int64_t chunks = (n + reduction_chunk - 1) / reduction_chunk;
+  struct Slot {  // std::vector<bool> would pack neighbours into one byte
+    T value;
+  };
+  std::vector<Slot> partial(static_cast<std::size_t>(std::max<std::int64_t>(chunks, 0)), Slot{init});
+  parallel_for(
+      chunks,
+      [&](std::int64_t c) {
+        partial[static_cast<std::size_t>(c)].value =
+            chunk_value(c * reduction_chunk, std::min(n, (c + 1) * reduction_chunk));
+      },
+      1);
+  T total = init;
+  for (const Slot& p : partial) total = join(total, p.value);
+  return total;
+}
+
+/// Sum of term(i) for i in [0, n), bitwise independent of the number of threads.
+template <class T, class Term>
+[[nodiscard]] T parallel_sum(std::int64_t n, Term&& term) {
+  return parallel_reduce(
+      n, T{},
+      [&](std::int64_t begin, std::int64_t end) {
+        T sum{};
+        for (std::int64_t i = begin; i < end; ++i) sum += term(i);
+        return sum;
+      },
+      [](const T& a, const T& b) { return a + b; });
+}
+
+/// Exclusive prefix sum in place of counts[0..n); returns the total. Two passes over fixed chunks.
+template <class Int>
+Int parallel_exclusive_scan(Int* counts, std::int64_t n) {
+  const std::int64_t chunks = (n + reduction_chunk - 1) / reduction_chunk;
+  std::vector<Int> base(static_cast<std::size_t>(std::max<std::int64_t>(chunks, 0)));
+  const auto limits = [n](std::int64_t c) { return std::min(n, (c + 1) * reduction_chunk); };
+  parallel_for(
+      chunks,
+      [&](std::int64_t c) {
+        Int sum{};
+        for (std::int64_t i = c * reduction_chunk; i < limits(c); ++i) sum += counts[i];
+        base[static_cast<std::size_t>(c)] = sum;
+      },
+      1);
+  Int total{};
+  for (Int& b : base) {
+    const Int here = b;
+    b = total;
+    total += here;
+  }
+  parallel_for(
+      chunks,
+      [&](std::int64_t c) {
+        Int sum = base[static_cast<std::size_t>(c)];
+        for (std::int64_t i = c * reduction_chunk; i < limits(c); ++i) {
+          const Int here = counts[i];
+          counts[i] = sum;
+          sum += here;
+        }
+      },
+      1);
+  return total;
+}
+
+/// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed; more threads
+/// than the machine has need a tbb::global_control of the caller's. Inside an arena of one thread there is nothing to
+/// limit, and a second arena would only cost time.
+template <class Body>
+void run_with_threads(int threads, Body&& body) {
+  if (threads <= 0 || (threads == 1 && thread_limit() == 1)) {
+    body();
+    return;
+  }
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  tbb::task_arena arena(std::min(threads, static_cast<int>(allowed)));
+  detail::RegionMarks marks;
+  marks.before();
+  arena.execute([&]() ALCAP_UNCHECKED {
+    marks.enter();
+    detail::run_body(body);
+    marks.leave();
+  });
+  marks.after();
+}
+
+#undef ALCAP_OWN_FRAME
+#undef ALCAP_UNCHECKED
+
+}  // namespace alcap

@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: MIT
+//
+// chart.cpp: from fields and connections to charts.
+#include "src/curves/streamlines/chart.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace alcap::detail {
+namespace {
+
+void check_rows(const char* what, std::int64_t rows, std::int64_t expected) {
+  if (rows != expected)
+    throw OptionError(what, std::to_string(rows) + " rows", "must have " + std::to_string(expected) + " for this mesh");
+}
+
+}  // namespace
+
+Flow::Flow(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+           const Connection<double>& connection, const Field<double>& field)
+    : mesh_(mesh), V_(V), geometry_(geometry), connection_(connection), field_(field) {
+  if (field.n < 1) throw OptionError("field.n", std::to_string(field.n), "must be at least 1");
+  check_rows("V", V.rows(), mesh.vertices());
+  check_rows("geometry.areas", geometry.areas().size(), mesh.faces());
+  check_rows("connection.tau", connection.tau.size(), mesh.halfedges());
+  check_rows("field.u", field.u.size(), mesh.vertices());
+  Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    if (!mesh.referenced(v)) continue;
+    if (!V.row(v).allFinite() || !std::isfinite(field.u[v].real()) || !std::isfinite(field.u[v].imag()))
+      throw OptionError(V.row(v).allFinite() ? "field.u" : "V", "not finite",
+                        "vertex " + std::to_string(v) + " must have finite values");
+    low = low.cwiseMin(V.row(v));
+    high = high.cwiseMax(V.row(v));
+  }
+  diagonal_ = (high - low).norm();
+  if (!(diagonal_ > 0) || !std::isfinite(diagonal_))
+    throw OptionError("V", std::to_string(diagonal_), "the box around the vertices must have a diagonal");
+  mean_edge_ = geometry.lengths().mean();
+  zeros_ = find_singularities(mesh, geometry, connection, field);
+  zero_of_.assign(static_cast<std::size_t>(mesh.faces()), none);
+  for (std::size_t k = 0; k < zeros_.size(); ++k)
+    zero_of_[static_cast<std::size_t>(zeros_[k].face)] = static_cast<Index>(k);
+}
+
+FaceChart Flow::chart(Index t, int sign) const {
+  FaceChart out;
+  out.face = t;
+  const double n = field_.n, l0 = geometry_.length(mesh_.edge(3 * t)), l1 = geometry_.length(mesh_.edge(3 * t + 1)),
+               l2 = geometry_.length(mesh_.edge(3 * t + 2));
+  out.size = std::max({l0, l1, l2});
+  out.corner[0] = {0, 0};
+  out.corner[1] = {l0, 0};
+  out.corner[2] = l2 * kernels::unit(geometry_.angle(3 * t));
+  const double half = 0.5 / geometry_.area(t), flip = sign < 0 && field_.n % 2 == 1 ? -1.0 : 1.0;
+  for (int c = 0; c < 3; ++c) {
+    const Index h = 3 * t + c;
+    out.grad[c] = half * kernels::times_i(out.corner[(c + 2) % 3] - out.corner[(c + 1) % 3]);
+    out.turn[c] = n * connection_.tau[h];
+    const Complex<double> u = field_.u[mesh_.tail(h)];
+    out.value[c] = Cplx{flip * u.real(), flip * u.imag()} * kernels::unit(-n * connection_.rho_t[h]);
+  }
+  return out;
+}
+
+Cplx Flow::across(Index h, double s) const {
+  // Along an edge the connection takes vectors from the edge into the face by rho_{e->t} = rho_{vi->t} - rho_{vi->e} +
+  // s (tau - eps); seen from the twin the edge points the other way.
+  const auto to_face = [&](Index g, double r) {
+    return connection_.rho_t[g] - connection_.rho_start(mesh_, g) +
+           r * (connection_.tau[g] - connection_.eps_along(mesh_, g));
+  };
+  return -kernels::unit(to_face(h, s) - to_face(mesh_.twin(h), 1 - s));
+}
+
+bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
+                       Cplx& turned) const {
+  constexpr int most_faces = 100'000;  // a bound for walks around a vertex in ever thinner faces
+  constexpr double off_vertex = 1e-9;  // of an edge: vertices are passed by
+  SurfacePoint at = p;
+  crossed.push_back(p);
+  turned = {1, 0};
+  Index entry = none;
+  for (int k = 0; k < most_faces; ++k) {
+    const FaceChart here = chart(at.face);
+    Index exit = none;
+    double ahead = std::numeric_limits<double>::infinity();
+    for (Index c = 0; c < 3; ++c) {
+      const double rate = dot(here.grad[c], w), b = at.barycentric[static_cast<std::size_t>(c)];
+      if (c == entry || !(rate < 0) || -b / rate >= ahead) continue;
+      exit = c;
+      ahead = -b / rate;
+    }
+    if (exit == none || ahead >= length) {
+      if (exit == none) return false;
+      at.barycentric = clamped(here.moved(at.barycentric, length * w));
+      crossed.push_back(at);
+      return true;
+    }
+    length -= ahead;
+    at.barycentric = here.moved(at.barycentric, ahead * w);
+    at.barycentric[static_cast<std::size_t>(exit)] = 0;
+    at.barycentric = clamped(at.barycentric);
+    const Index h = 3 * at.face + (exit + 1) % 3, g = mesh_.twin(h);
+    if (g == none) return false;
+    crossed.push_back(at);
+    const double s = std::clamp(at.barycentric[static_cast<std::size_t>((exit + 2) % 3)], off_vertex, 1 - off_vertex);
+    const Cplx turn = kernels::unit(geometry_.direction(g) + pi<double> - geometry_.direction(h));
+    w = w * turn;
+    turned = turned * turn;
+    at = {Mesh::face(g), on_halfedge(g, 1 - s)};
+    entry = (g + 2) % 3;
+  }
+  return false;
+}
+
+Eigen::RowVector3d Flow::position(Index t, const Barycentric& b) const {
+  return b[0] * V_.row(mesh_.F()(t, 0)) + b[1] * V_.row(mesh_.F()(t, 1)) + b[2] * V_.row(mesh_.F()(t, 2));
+}
+
+Eigen::RowVector3d Flow::direction(const FaceChart& chart, const Cplx& v) const {
+  return position(chart.face, {dot(chart.grad[0], v), dot(chart.grad[1], v), dot(chart.grad[2], v)});
+}
+
+Eigen::RowVector3d Flow::normal(Index t) const {
+  const Eigen::RowVector3d a = V_.row(mesh_.F()(t, 0));
+  return (Eigen::RowVector3d(V_.row(mesh_.F()(t, 1))) - a)
+      .cross(Eigen::RowVector3d(V_.row(mesh_.F()(t, 2))) - a)
+      .stableNormalized();
+}
+
+}  // namespace alcap::detail

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: MIT
+//
+// even.cpp: evenly spaced curves (Jobard and Lefer 1997), on surfaces and in rounds. Seeds lie beside the
+// curves that are there, at the distance of the spacing. Every round takes at most one seed from each side of the
+// oldest curves, traces all of them in parallel against the curves that are there, and accepts them in order, cut where
+// an earlier one of the same round is in the way.
+#include <algorithm>
+#include <deque>
+#include <memory>
+#include <optional>
+
+#include "src/base/parallel.h"
+#include "src/curves/streamlines/curves.h"
+#include "src/curves/streamlines/grid.h"
+
+namespace alcap::detail {
+namespace {
+
+constexpr std::size_t round_size = 64;  // sides that may give a seed in one round: enough for many threads
+constexpr double seed_distance = 0.9;   // of the spacing: straight lines over curved surfaces end closer in space
+constexpr double samples_apart = 0.5;   // of the smallest distance allowed
+constexpr std::size_t seed_stride = 2;  // samples from one place of seeds to the next along a curve
+constexpr double own_past = 3;          // smallest distances: so much of its own past a curve is always close to
+constexpr double closing = 0.1;         // of the smallest distance: a curve that passes its start closer is closed
+constexpr double same_direction = 0.9;  // cosine
+
+/// A point of a curve, where it is on the surface.
+struct Station {
+  SurfacePoint point;
+  Cplx v;
+  double arc;
+  CurveSample sample;
+};
+
+/// One side of a curve: where seeds beside it may be.
+struct Side {
+  std::shared_ptr<const std::vector<Station>> stations;
+  double turn;  // +1 left, -1 right
+  std::size_t next = 0;
+};
+
+struct Seed {
+  SurfacePoint point;
+  Cplx v;
+  CurveSample sample;
+};
+
+/// A traced curve before it is accepted.
+struct Draft {
+  Path forward, backward;
+  std::vector<Station> ahead, behind;  // stations of the two halves; the seed is the first one ahead
+};
+
+class EvenlySpaced {
+ public:
+  EvenlySpaced(const Flow& flow, const StreamlineOptions& options)
+      : flow_(flow),
+        options_(options),
+        spacing_(options.spacing * flow.diagonal()),
+        closest_(options.separation * spacing_),
+        families_(flow.n() % 2 == 0 ? flow.n() / 2 : flow.n()),
+        same_family_(std::cos(pi<double> / (2 * families_)) - 1e-9),
+        limits_(limits(flow, options)),
+        all_(spacing_),
+        round_(spacing_) {
+    limits_.sample_step = samples_apart * closest_;
+    limits_.close_within = closing * closest_;
+  }
+
+  std::vector<Curve> run() {
+    // Every so many-th face tries a seed in its middle: often enough to find every gap that a curve fits into.
+    const double face_area = flow_.geometry().total_area() / flow_.mesh().faces();
+    const auto stride = static_cast<std::int64_t>(std::max(1.0, 0.2 * spacing_ * spacing_ / face_area));
+    const std::int64_t tries = (flow_.mesh().faces() + stride - 1) / stride * families_;
+    constexpr std::int64_t block = 4096;
+    for (std::int64_t first = 0; first < tries; first += block) {
+      std::vector<std::optional<Seed>> seeds(static_cast<std::size_t>(std::min(block, tries - first)));
+      parallel_for(
+          static_cast<std::int64_t>(seeds.size()),
+          [&](std::int64_t k) {
+            const std::int64_t i = first + k;
+            seeds[static_cast<std::size_t>(k)] =
+                middle(static_cast<Index>(i / families_ * stride), static_cast<int>(i % families_));
+          },
+          64);
+      for (const std::optional<Seed>& seed : seeds) {
+        if (!seed || !free(all_, seed->sample, seed_distance * spacing_)) continue;
+        trace_and_accept({*seed});
+        grow();
+        if (full()) return std::move(curves_);
+      }
+    }
+    return std::move(curves_);
+  }
+
+ private:
+  bool full() const { return static_cast<std::int64_t>(curves_.size()) >= options_.max_curves; }
+
+  // ---- distances
+
+  [[nodiscard]] CurveSample sample(const FaceChart& chart, const Barycentric& b, const Cplx& v, double arc) const {
+    return {flow_.position(chart.face, b), flow_.direction(chart, v).stableNormalized(), flow_.normal(chart.face), arc};
+  }
+  /// Whether two curves with these points belong to one family on one sheet of the surface.
+  [[nodiscard]] bool related(const CurveSample& a, const CurveSample& b) const {
+    return std::abs(a.direction.dot(b.direction)) >= same_family_ && !(a.normal.dot(b.normal) < 0);
+  }
+  [[nodiscard]] bool free(const SampleGrid& grid, const CurveSample& here, double radius) const {
+    return !grid.any_near(here.x, radius, [&](const CurveSample& s) { return related(here, s); });
+  }
+
+  // ---- seeds
+
+  /// The middle of face t along one family, if the field and the other curves allow a seed there.
+  [[nodiscard]] std::optional<Seed> middle(Index t, int family) const {
+    const FaceChart chart = flow_.chart(t);
+    const Barycentric b{1.0 / 3, 1.0 / 3, 1.0 / 3};
+    const Cplx u = chart.at(b);
+    if (!(modulus(u) > 0)) return std::nullopt;
+    const Cplx v = kernels::unit((std::atan2(u.im, u.re) + 2 * pi<double> * family) / flow_.n());
+    return checked({t, b}, chart, v);
+  }
+  [[nodiscard]] std::optional<Seed> checked(const SurfacePoint& p, const FaceChart& chart, const Cplx& v) const {
+    Seed seed{p, v, sample(chart, p.barycentric, v, 0)};
+    if (!free(all_, seed.sample, seed_distance * spacing_)) return std::nullopt;
+    return seed;
+  }
+  /// The next seed beside a curve; `side.next` is then its station, or past the end.
+  [[nodiscard]] std::optional<Seed> beside(Side& side) const {
+    for (; side.next < side.stations->size(); side.next += seed_stride) {
+      const Station& s = (*side.stations)[side.next];
+      std::vector<SurfacePoint> way;
+      Cplx turned{1, 0};
+      if (!flow_.straight_on(s.point, side.turn * kernels::times_i(s.v), spacing_, way, turned)) continue;
+      const FaceChart chart = flow_.chart(way.back().face);
+      const Cplx u = chart.at(way.back().barycentric);
+      if (!(modulus(u) > 0)) continue;
+      if (auto seed = checked(way.back(), chart, RootNear(s.v * turned, flow_.n()).nearest(u))) return seed;
+    }
+    return std::nullopt;
+  }
+
+  /// Rounds until no side of a curve has room beside it.
+  void grow() {
+    while (!sides_.empty() && !full()) {
+      const std::size_t count = std::min(round_size, sides_.size());
+      std::vector<std::optional<Seed>> found(count);
+      parallel_for(
+          static_cast<std::int64_t>(count),
+          [&](std::int64_t k) { found[static_cast<std::size_t>(k)] = beside(sides_[static_cast<std::size_t>(k)]); }, 1);
+      // Seeds of one round keep their distance too; the later one waits for the next round.
+      std::vector<Seed> seeds;
+      SampleGrid taken(spacing_);
+      std::deque<Side> left;
+      for (std::size_t k = 0; k < count; ++k) {
+        if (!found[k]) continue;
+        left.push_back(sides_[k]);
+        if (!free(taken, found[k]->sample, spacing_)) continue;
+        taken.insert(found[k]->sample);
+        seeds.push_back(*found[k]);
+        left.back().next += seed_stride;
+      }
+      sides_.erase(sides_.begin(), sides_.begin() + static_cast<std::ptrdiff_t>(count));
+      sides_.insert(sides_.begin(), left.begin(), left.end());
+      trace_and_accept(seeds);
+    }
+  }
+
+  // ---- curves
+
+  [[nodiscard]] Draft trace(const Seed& seed) const {
+    Draft draft;
+    SampleGrid own(spacing_);
+    const auto half = [&](int sign, std::vector<Station>& stations) {
+      bool refused = false;
+      const Guard guard = [&](const FaceChart& chart, const Barycentric& b, const Cplx& v, double arc) {
+        const CurveSample here = sample(chart, b, v, sign * arc);
+        refused = !free(all_, here, closest_) || own.any_near(here.x, closest_, [&](const CurveSample& s) {
+          if (std::abs(s.arc - here.arc) < own_past * closest_ || !related(here, s)) return false;
+          return !(std::abs(s.arc) <= 2 * closest_ && in_line(here, s, sign));
+        });
+        if (refused) return false;
+        own.insert(here);
+        if (sign > 0 || arc > 0) stations.push_back({{chart.face, b}, v, arc, here});
+        return true;
+      };
+      Path path = trace_path(flow_, seed.point, sign < 0 ? -seed.v : seed.v, sign, limits_, guard);
+      if (refused) cut(path, stations.empty() ? 0 : stations.back().arc);
+      return path;
+    };
+    draft.forward = half(1, draft.ahead);
+    if (draft.forward.end == CurveEnd::loop) return draft;
+    draft.backward = half(-1, draft.behind);
+    return draft;
+  }
+  /// Whether the start of the curve is straight ahead, so that the curve may close.
+  static bool in_line(const CurveSample& here, const CurveSample& start, int sign) {
+    // Directions of the backward half are those of tracing; the start belongs to both halves.
+    const double along = here.direction.dot(start.direction) * (sign * start.arc < 0 ? -1 : 1);
+    const Eigen::RowVector3d way = start.x - here.x;
+    return along > same_direction &&
+           (way - way.dot(here.direction) * here.direction).norm() <= 2 * closing * way.norm();
+  }
+
+  /// Removes what lies behind the arc length.
+  static void cut(Path& path, double arc) {
+    while (path.points.size() > 1 && path.points.back().arc > arc * (1 + 1e-12)) path.points.pop_back();
+    path.end = CurveEnd::separation;
+  }
+  /// Cuts a half where a curve of this round is in the way.
+  void cut_for_round(Path& path, std::vector<Station>& stations) const {
+    for (std::size_t k = 0; k < stations.size(); ++k) {
+      if (free(round_, stations[k].sample, closest_)) continue;
+      cut(path, k == 0 ? 0 : stations[k - 1].arc);
+      stations.resize(k);
+      return;
+    }
+  }
+
+  void trace_and_accept(const std::vector<Seed>& seeds) {
+    std::vector<Draft> drafts(seeds.size());
+    parallel_for(
+        static_cast<std::int64_t>(seeds.size()),
+        [&](std::int64_t k) { drafts[static_cast<std::size_t>(k)] = trace(seeds[static_cast<std::size_t>(k)]); }, 1);
+    round_.clear();
+    for (std::size_t k = 0; k < drafts.size() && !full(); ++k) {
+      Draft& d = drafts[k];
+      if (!free(round_, seeds[k].sample, seed_distance * spacing_)) continue;
+      cut_for_round(d.forward, d.ahead);
+      cut_for_round(d.backward, d.behind);
+      const double length = d.forward.length() + (d.backward.points.empty() ? 0 : d.backward.length());
+      if (!(length >= options_.min_length * flow_.diagonal())) continue;
+      accept(d);
+    }
+  }
+
+  void accept(const Draft& d) {
+    curves_.push_back(join(d.forward, d.backward));
+    auto stations = std::make_shared<std::vector<Station>>(d.behind.rbegin(), d.behind.rend());
+    stations->insert(stations->end(), d.ahead.begin(), d.ahead.end());
+    for (const Station& s : *stations) {
+      all_.insert(s.sample);
+      round_.insert(s.sample);
+    }
+    for (const double turn : {1.0, -1.0}) sides_.push_back({stations, turn});
+  }
+
+  const Flow& flow_;
+  const StreamlineOptions& options_;
+  double spacing_, closest_;
+  int families_;
+  double same_family_;
+  PathLimits limits_;
+  SampleGrid all_, round_;
+  std::deque<Side> sides_;
+  std::vector<Curve> curves_;
+};
+
+}  // namespace
+}  // namespace alcap::detail
+
+namespace alcap {
+
+CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+                     const Connection<double>& connection, const Field<double>& field,
+                     const StreamlineOptions& options) {
+  detail::check(options);
+  const detail::Flow flow(mesh, V, geometry, connection, field);
+  return detail::collect(flow, detail::EvenlySpaced(flow, options).run());
+}
+
+}  // namespace alcap

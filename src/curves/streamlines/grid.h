@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: MIT
+//
+// grid.h: points of curves by place, to find those near a point. Internal to streamlines.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "alcap/conventions.h"
+
+namespace alcap::detail {
+
+/// A point of a curve in space. Directions and normals have length 1 (or 0: unknown).
+struct CurveSample {
+  Eigen::RowVector3d x, direction, normal;
+  double arc = 0;
+};
+
+/// A hashed grid of cubes. Queries are const, fit for several threads.
+class SampleGrid {
+ public:
+  explicit SampleGrid(double cell) : cell_(cell), table_(64) {}
+
+  void insert(const CurveSample& sample) {
+    if (2 * samples_.size() >= table_.size()) grow();
+    samples_.push_back(sample);
+    link(samples_.size() - 1);
+  }
+  void clear() {
+    samples_.clear();
+    next_.clear();
+    table_.assign(64, Slot{});
+  }
+
+  /// Whether hit(sample) holds for one of the samples closer than `radius` to x.
+  template <class Hit>
+  [[nodiscard]] bool any_near(const Eigen::RowVector3d& x, double radius, Hit&& hit) const {
+    std::int64_t low[3], high[3];
+    for (int c = 0; c < 3; ++c) {
+      low[c] = cell_of(x[c] - radius);
+      high[c] = cell_of(x[c] + radius);
+    }
+    for (std::int64_t i = low[0]; i <= high[0]; ++i)
+      for (std::int64_t j = low[1]; j <= high[1]; ++j)
+        for (std::int64_t k = low[2]; k <= high[2]; ++k)
+          for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = next_[static_cast<std::size_t>(s)]) {
+            const CurveSample& sample = samples_[static_cast<std::size_t>(s)];
+            if ((sample.x - x).squaredNorm() < radius * radius && hit(sample)) return true;
+          }
+    return false;
+  }
+
+ private:
+  struct Slot {
+    std::uint64_t key = 0;
+    std::int64_t head = -1;  // of the list of the cell's samples; none: a free slot
+  };
+
+  [[nodiscard]] std::int64_t cell_of(double x) const { return static_cast<std::int64_t>(std::floor(x / cell_)); }
+  // 21 bits for each coordinate; cells that share a key are only a little slower.
+  [[nodiscard]] static std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
+    constexpr std::uint64_t mask = (1U << 21) - 1;
+    return (static_cast<std::uint64_t>(i) & mask) << 42 | (static_cast<std::uint64_t>(j) & mask) << 21 |
+           (static_cast<std::uint64_t>(k) & mask);
+  }
+  [[nodiscard]] const Slot& slot(std::uint64_t key) const { return table_[position(key)]; }
+  [[nodiscard]] std::size_t position(std::uint64_t key) const {
+    const std::size_t mask = table_.size() - 1;
+    std::size_t p = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 20) & mask;
+    while (table_[p].head >= 0 && table_[p].key != key) p = (p + 1) & mask;
+    return p;
+  }
+  void link(std::size_t sample) {
+    const Eigen::RowVector3d& x = samples_[sample].x;
+    const std::uint64_t here = key(cell_of(x[0]), cell_of(x[1]), cell_of(x[2]));
+    Slot& s = table_[position(here)];
+    next_.resize(samples_.size());
+    next_[sample] = s.head;
+    s = {here, static_cast<std::int64_t>(sample)};
+  }
+  void grow() {
+    table_.assign(2 * table_.size(), Slot{});
+    for (std::size_t k = 0; k < samples_.size(); ++k) link(k);
+  }
+
+  double cell_;
+  std::vector<CurveSample> samples_;
+  std::vector<std::int64_t> next_;
+  std::vector<Slot> table_;  // a power of two, at most half full
+};
+
+}  // namespace alcap::detail

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: MIT
+#include "alcap/strokes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <queue>
+#include <string>
+#include <unordered_map>
+
+#include "src/curves/strokes/trace.h"
+
+namespace alcap {
+namespace {
+
+// Coordinates below this are zero: the point is put on the edge or the vertex.
+constexpr double on_edge = 1e-9;
+// Segments shorter than this, relative to their face, are rounding.
+constexpr double no_length = 1e-12;
+
+using Barycentric = std::array<double, 3>;
+
+/// The vector from a to b in the frame of face t.
+Complex<double> difference(const Geometry<double>& geometry, const Mesh& mesh, Index t, const Barycentric& a,
+                           const Barycentric& b) {
+  const double l = geometry.length(mesh.edge(3 * t)), m = geometry.length(mesh.edge(3 * t + 2));
+  return (b[1] - a[1]) * Complex<double>(l) + (b[2] - a[2]) * std::polar(m, geometry.angle(3 * t));
+}
+
+void append(SurfacePolyline& line, const Mesh& mesh, const Geometry<double>& geometry, const detail::Step& step) {
+  const Complex<double> d = difference(geometry, mesh, step.face, step.a, step.b);
+  const double length = std::abs(d);
+  if (!(length > no_length * std::sqrt(geometry.area(step.face)))) return;
+  line.segments.push_back({step.face, step.a, step.b, d / length, length});
+}
+
+SurfacePoint checked(const Mesh& mesh, const SurfacePoint& p, std::size_t k) {
+  const std::string field = "points[" + std::to_string(k) + "]";
+  if (p.face < 0 || p.face >= mesh.faces())
+    throw OptionError(field, std::to_string(p.face),
+                      "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+  SurfacePoint q = p;
+  double sum = 0;
+  for (double& b : q.barycentric) {
+    if (!(b >= -1e-6 && b <= 1 + 1e-6))
+      throw OptionError(field, std::to_string(b), "barycentric coordinates are not negative and sum to 1");
+    sum += b;
+    if (b < on_edge) b = 0;
+  }
+  if (!(std::abs(sum - 1) <= 1e-6))
+    throw OptionError(field, std::to_string(sum), "barycentric coordinates are not negative and sum to 1");
+  sum = q.barycentric[0] + q.barycentric[1] + q.barycentric[2];
+  for (double& b : q.barycentric) b /= sum;
+  return q;
+}
+
+bool same_point(const Mesh& mesh, const SurfacePoint& p, const SurfacePoint& q) {
+  for (const SurfacePoint& r : detail::representations(mesh, p))
+    if (r.face == q.face && std::abs(r.barycentric[0] - q.barycentric[0]) <= no_length &&
+        std::abs(r.barycentric[1] - q.barycentric[1]) <= no_length &&
+        std::abs(r.barycentric[2] - q.barycentric[2]) <= no_length)
+      return true;
+  return false;
+}
+
+bool before(const SurfacePoint& p, const SurfacePoint& q) {
+  return p.face != q.face ? p.face < q.face : p.barycentric < q.barycentric;
+}
+
+bool connected(const Mesh& mesh, Index from, Index to) {
+  std::vector<bool> seen(static_cast<std::size_t>(mesh.faces()), false);
+  std::vector<Index> stack{from};
+  seen[static_cast<std::size_t>(from)] = true;
+  while (!stack.empty()) {
+    const Index t = stack.back();
+    stack.pop_back();
+    if (t == to) return true;
+    for (Index h = 3 * t; h < 3 * t + 3; ++h) {
+      const Index g = mesh.twin(h);
+      if (g == none || seen[static_cast<std::size_t>(g / 3)]) continue;
+      seen[static_cast<std::size_t>(g / 3)] = true;
+      stack.push_back(g / 3);
+    }
+  }
+  return false;
+}
+
+/// Halfedges of a shortest path of edges from a to b, in order; empty when there is none.
+std::vector<Index> shortest_path(const Mesh& mesh, const Geometry<double>& geometry, Index a, Index b) {
+  struct Reached {
+    double distance = std::numeric_limits<double>::infinity();
+    Index from = none;  // a halfedge that points here, or away from here (its mirror) on a boundary
+  };
+  std::unordered_map<Index, Reached> reached;
+  using Entry = std::pair<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+  reached[a] = {0, none};
+  queue.emplace(0.0, a);
+  while (!queue.empty()) {
+    const double distance = queue.top().first;
+    const Index v = queue.top().second;
+    queue.pop();
+    if (v == b) break;
+    if (distance > reached[v].distance) continue;
+    const auto reach = [&](Index w, Index e) {
+      const double there = distance + geometry.length(e);
+      Reached& r = reached[w];
+      if (!(there < r.distance)) return;
+      r = {there, e};
+      queue.emplace(there, w);
+    };
+    Index last = none;
+    mesh.for_each_outgoing(v, [&](Index h) {
+      reach(mesh.tip(h), mesh.edge(h));
+      last = h;
+    });
+    if (mesh.boundary_vertex(v)) reach(mesh.tail(Mesh::prev(last)), mesh.edge(Mesh::prev(last)));
+  }
+  std::vector<Index> edges;
+  const auto found = reached.find(b);
+  if (found == reached.end()) return edges;
+  for (Index v = b; v != a;) {
+    const Index e = reached.at(v).from, h = mesh.halfedge(e);
+    edges.push_back(e);
+    v = mesh.tail(h) == v ? mesh.tip(h) : mesh.tail(h);
+  }
+  std::reverse(edges.begin(), edges.end());
+  return edges;
+}
+
+}  // namespace
+
+double SurfacePolyline::length() const {
+  double sum = 0;
+  for (const SurfaceSegment& s : segments) sum += s.length;
+  return sum;
+}
+
+SurfacePolyline SurfacePolyline::reversed() const {
+  SurfacePolyline out{segments, closed};
+  std::reverse(out.segments.begin(), out.segments.end());
+  for (SurfaceSegment& s : out.segments) {
+    std::swap(s.a, s.b);
+    s.tangent = -s.tangent;
+  }
+  return out;
+}
+
+SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+                                      const std::vector<SurfacePoint>& points) {
+  SurfacePolyline line;
+  std::vector<SurfacePoint> at;
+  std::vector<std::size_t> number;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const SurfacePoint p = checked(mesh, points[k], k);
+    if (!at.empty() && same_point(mesh, at.back(), p)) continue;
+    at.push_back(p);
+    number.push_back(k);
+  }
+  if (at.size() < 2)
+    throw OptionError("points", std::to_string(points.size()) + " points", "a stroke has at least two different ones");
+  for (std::size_t k = 0; k + 1 < at.size(); ++k) {
+    // Always from the smaller to the larger one, so that a reversed stroke is the same.
+    const bool turn = before(at[k + 1], at[k]);
+    auto steps = detail::trace(mesh, V, at[turn ? k + 1 : k], at[turn ? k : k + 1]);
+    if (!steps)
+      throw OptionError("points", std::to_string(number[k]) + " and " + std::to_string(number[k + 1]),
+                        connected(mesh, at[k].face, at[k + 1].face)
+                            ? "the stroke leaves the surface between these points; points between them may help"
+                            : "these points lie on different components of the mesh");
+    if (turn) {
+      std::reverse(steps->begin(), steps->end());
+      for (detail::Step& step : *steps) std::swap(step.a, step.b);
+    }
+    for (const detail::Step& step : *steps) append(line, mesh, geometry, step);
+  }
+  if (line.segments.empty()) throw OptionError("points", "all at one place", "a stroke needs some length");
+  line.closed = at.size() > 2 && same_point(mesh, at.front(), at.back());
+  return line;
+}
+
+SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry<double>& geometry,
+                                      const std::vector<Index>& vertices) {
+  for (std::size_t k = 0; k < vertices.size(); ++k)
+    if (vertices[k] < 0 || vertices[k] >= mesh.vertices() || !mesh.referenced(vertices[k]))
+      throw OptionError("vertices[" + std::to_string(k) + "]", std::to_string(vertices[k]),
+                        "must be a vertex that a face uses");
+  SurfacePolyline line;
+  for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
+    const Index a = vertices[k], b = vertices[k + 1];
+    if (a == b) continue;
+    Index direct = none;
+    mesh.for_each_outgoing(a, [&](Index h) {
+      if (mesh.tip(h) == b || mesh.tail(Mesh::prev(h)) == b) direct = mesh.edge(mesh.tip(h) == b ? h : Mesh::prev(h));
+    });
+    std::vector<Index> path;
+    if (direct != none) {
+      path.push_back(direct);
+    } else {
+      path = shortest_path(mesh, geometry, std::min(a, b), std::max(a, b));
+      if (a > b) std::reverse(path.begin(), path.end());
+    }
+    if (path.empty())
+      throw OptionError("vertices", std::to_string(a) + " and " + std::to_string(b),
+                        "these vertices lie on different components of the mesh");
+    Index at = a;
+    for (const Index e : path) {
+      const Index h = mesh.halfedge(e);
+      detail::Step step{h / 3, {}, {}};
+      step.a[static_cast<std::size_t>(h % 3)] = 1;
+      step.b[static_cast<std::size_t>(Mesh::next(h) % 3)] = 1;
+      if (mesh.tail(h) != at) std::swap(step.a, step.b);
+      at = mesh.tail(h) == at ? mesh.tip(h) : mesh.tail(h);
+      append(line, mesh, geometry, step);
+    }
+  }
+  if (line.segments.empty())
+    throw OptionError("vertices", std::to_string(vertices.size()) + " vertices",
+                      "a stroke has at least two different ones");
+  line.closed = vertices.size() > 2 && vertices.front() == vertices.back();
+  return line;
+}
+
+SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+                                  const SurfaceLocator& locator, const Positions<double>& points) {
+  std::vector<SurfacePoint> on_surface;
+  for (Eigen::Index k = 0; k < points.rows(); ++k) on_surface.push_back(locator.closest(points.row(k)));
+  return stroke_through_points(mesh, V, geometry, on_surface);
+}
+
+SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+                                  const Positions<double>& points) {
+  return stroke_from_space(mesh, V, geometry, SurfaceLocator(mesh, V), points);
+}
+
+}  // namespace alcap

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: MIT
+#include "alcap/eigen_design.h"
+
+#include <chrono>
+#include <cmath>
+#include <string>
+
+#include "alcap/energies.h"
+#include "alcap/operators.h"
+#include "src/base/parallel.h"
+#include "alcap/singularities.h"
+#include "src/field/component_blocks.h"
+#include "src/design/variational/rows.h"
+#include "src/design/eigen/pencil.h"
+#include "src/design/eigen/rows.h"
+
+namespace alcap {
+namespace {
+
+using C = Complex<double>;
+
+// w of a stroke of weight 1, in units of sqrt(area): measured to align to a few degrees on spheres, tori and disks.
+constexpr double stroke_scale = 10;
+// Reward of the mean along a stroke, beside that of the square: without it the field may turn back halfway, which for
+// even n means across.
+constexpr double mean_reward = 10;
+// A stroke within this many degrees on average is followed.
+constexpr double met_degrees = 10;
+// A singularity is met when its orientation is off by no more than this.
+constexpr double target_degrees = 0.5;
+// Reward of the flux of a target of strength 1, in units of area of the component over area of its face: enough for the
+// eigenvalue to fall well below the smoothest field's, so that the field is what the targets make of it.
+constexpr double target_reward = 1000;
+// Penalty of the flux across, in units of 1 / area of the face.
+constexpr double target_penalty = 1e4;
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+void validate(const Mesh& mesh, const EigenControls& controls, const EigenDesignOptions& options) {
+  const std::vector<EigenStroke>& strokes = controls.strokes;
+  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+  if (options.largest_rank < 0)
+    throw OptionError("largest_rank", std::to_string(options.largest_rank), "must not be negative");
+  if (!(options.offset >= 0) || !std::isfinite(options.offset))
+    throw OptionError("offset", std::to_string(options.offset), "must be finite and not negative");
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    const std::string name = "strokes[" + std::to_string(k) + "]";
+    const double weight = strokes[k].weight;
+    if (!(weight > 0) || !std::isfinite(weight))
+      throw OptionError(name + ".weight", std::to_string(weight), "must be positive and finite");
+    if (strokes[k].line.segments.empty()) throw OptionError(name + ".line", "empty", "a stroke needs some length");
+    for (const SurfaceSegment& segment : strokes[k].line.segments) {
+      if (segment.face < 0 || segment.face >= mesh.faces())
+        throw OptionError(name + ".line", std::to_string(segment.face),
+                          "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+      if (!(segment.length > 0) || !std::isfinite(segment.length))
+        throw OptionError(name + ".line", std::to_string(segment.length), "segments have a positive length");
+    }
+  }
+  for (const SingularityTarget& target : controls.singularities) {
+    detail::check_target(mesh, target);
+    if (target.pin)
+      throw OptionError("pin", "in face " + std::to_string(target.face),
+                        "zeros are pinned by variational designs only");
+  }
+}
+
+/// Rows of a stroke with its weight multiplied in, vertices numbered as in their component.
+void append(detail::DesignRows& all, const detail::DesignRows& rows, double weight, const std::vector<Index>& local) {
+  const auto scaled = [&](const std::vector<detail::RealRow>& from, std::vector<detail::RealRow>& to) {
+    for (detail::RealRow row : from) {
+      for (std::size_t k = 0; k < row.vertex.size(); ++k) {
+        row.vertex[k] = local[static_cast<std::size_t>(row.vertex[k])];
+        row.coefficient[k] *= std::sqrt(weight);
+      }
+      to.push_back(row);
+    }
+  };
+  scaled(rows.across, all.across);
+  scaled(rows.along, all.along);
+}
+
+/// e^{-i turns orientation} P u (or Q u) of a target: real and positive when it is met.
+struct TargetFlux {
+  std::array<Index, 3> vertex{};
+  std::array<C, 3> coefficient{};
+
+  TargetFlux(const Mesh& mesh, const FirstOrderOperators<double>& operators, int n, const SingularityTarget& target) {
+    const C turn = std::polar(1.0, -detail::target_turns(n, target.sign) * target.orientation);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Index at = 3 * target.face + static_cast<Index>(c);
+      vertex[c] = mesh.F().data()[at];
+      coefficient[c] = turn * (target.sign > 0 ? operators.p : operators.q)[at];
+    }
+  }
+  [[nodiscard]] C at(const ComplexVectorX<double>& u) const {
+    return coefficient[0] * u[vertex[0]] + coefficient[1] * u[vertex[1]] + coefficient[2] * u[vertex[2]];
+  }
+  void add_real_part(detail::RealRow& row, double scale, C turn, const std::vector<Index>& local) const {
+    for (std::size_t c = 0; c < 3; ++c)
+      row.add(local[static_cast<std::size_t>(vertex[c])], scale * std::conj(turn * coefficient[c]));
+  }
+};
+
+ControlReport judge(std::size_t number, const SingularityTarget& target, const TargetFlux& flux, int index, int n,
+                    const ComplexVectorX<double>& u) {
+  ControlReport report{.id = static_cast<ControlId>(number), .index = index};
+  report.error_degrees = std::abs(std::arg(flux.at(u))) / detail::target_turns(n, target.sign) * 180 / pi<double>;
+  report.met = index == target.sign && report.error_degrees <= target_degrees;
+  return report;
+}
+
+EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n, double area,
+                        const ComplexVectorX<double>& u) {
+  EigenStrokeReport report;
+  double length = 0;
+  for (const detail::StrokeSample& sample : samples) {
+    const C value = sample.at(u);
+    const double degrees = std::abs(std::arg(value)) / n * 180 / pi<double>;
+    report.mean_degrees += sample.ds * degrees;
+    report.largest_degrees = std::max(report.largest_degrees, degrees);
+    report.magnitude += sample.ds * std::abs(value);
+    length += sample.ds;
+  }
+  report.mean_degrees /= length;
+  report.magnitude *= std::sqrt(area) / length;  // int |u|^2 = 1
+  report.met = report.mean_degrees <= met_degrees;
+  return report;
+}
+
+}  // namespace
+
+EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
+                               std::shared_ptr<const Frames<double>> frames, const EigenControls& controls,
+                               const EigenDesignOptions& options) {
+  validate(mesh, controls, options);
+  const std::vector<EigenStroke>& strokes = controls.strokes;
+  const auto start = std::chrono::steady_clock::now();
+  EigenDesignResult result;
+  result.field.n = options.n;
+  result.field.frames = std::move(frames);
+  result.field.u = ComplexVectorX<double>::Zero(mesh.vertices());
+  StiffnessMass<double> matrices;
+  {
+    const HermitianPattern pattern(mesh);
+    matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
+    apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, matrices.S);
+  }
+  const Topology topology = find_topology(mesh);
+  const std::vector<double> areas = detail::areas_of_components(geometry, topology);
+  const std::vector<std::vector<Index>> vertices = detail::vertices_of_components(topology);
+  std::vector<Index> local(static_cast<std::size_t>(mesh.vertices()), none);
+  for (const std::vector<Index>& piece : vertices)
+    for (std::size_t k = 0; k < piece.size(); ++k) local[static_cast<std::size_t>(piece[k])] = static_cast<Index>(k);
+
+  const auto component_of = [&](const EigenStroke& stroke) {
+    return static_cast<std::size_t>(
+        topology.face_component[static_cast<std::size_t>(stroke.line.segments.front().face)]);
+  };
+  std::vector<detail::DesignRows> rows(areas.size());
+  std::vector<double> sizes = areas;  // mass of a unit field, rows included
+  std::vector<std::vector<detail::StrokeSample>> samples;
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    const std::size_t c = component_of(strokes[k]);
+    for (const SurfaceSegment& segment : strokes[k].line.segments)
+      if (topology.face_component[static_cast<std::size_t>(segment.face)] != static_cast<Index>(c))
+        throw OptionError("strokes[" + std::to_string(k) + "].line", std::to_string(segment.face),
+                          "a stroke stays on one component");
+    const double weight = strokes[k].weight * stroke_scale * std::sqrt(areas[c]);
+    append(rows[c],
+           detail::stroke_rows(mesh, geometry, connection, options.n, strokes[k].line, options.offset / areas[c]),
+           weight, local);
+    samples.push_back(detail::samples_along(mesh, geometry, connection, options.n, strokes[k].line));
+    sizes[c] += weight * strokes[k].line.length();
+  }
+  std::vector<TargetFlux> fluxes;
+  // One square over everything that has a sign, so that all of it takes the same one.
+  std::vector<detail::RealRow> joint(areas.size());
+  for (std::size_t k = 0; k < strokes.size(); ++k) {
+    const std::size_t c = component_of(strokes[k]);
+    const double weight = mean_reward * strokes[k].weight * stroke_scale * std::sqrt(areas[c]);
+    const double scale = std::sqrt(weight / strokes[k].line.length());
+    for (const detail::StrokeSample& sample : samples[k])
+      for (std::size_t v = 0; v < 3; ++v)
+        joint[c].add(local[static_cast<std::size_t>(sample.vertex[v])],
+                     scale * sample.ds * std::conj(sample.coefficient[v]));
+    sizes[c] += weight * strokes[k].line.length();
+  }
+  const auto component_of_target = [&](const SingularityTarget& target) {
+    return static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(target.face)]);
+  };
+  if (!controls.singularities.empty()) {
+    // Area integrals: those S is made of, so that a lone target is met exactly.
+    const FirstOrderOperators<double> operators =
+        first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = OperatorKind::triangle});
+    for (const SingularityTarget& target : controls.singularities) {
+      const std::size_t c = component_of_target(target);
+      const TargetFlux& flux = fluxes.emplace_back(mesh, operators, options.n, target);
+      const double area = geometry.area(target.face);
+      flux.add_real_part(joint[c], target.strength * std::sqrt(target_reward * areas[c] / area), 1, local);
+      flux.add_real_part(rows[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local);
+      sizes[c] += target.strength * target.strength * target_reward * areas[c];
+    }
+  }
+  for (std::size_t c = 0; c < areas.size(); ++c)
+    if (!joint[c].vertex.empty()) rows[c].along.push_back(std::move(joint[c]));
+  result.assembly_seconds = seconds_since(start);
+
+  const auto solve_start = std::chrono::steady_clock::now();
+  result.components.resize(areas.size());
+  const bool whole = areas.size() == 1 && mesh.referenced_vertices() == mesh.vertices();
+  parallel_for(
+      static_cast<std::int64_t>(areas.size()),
+      [&](std::int64_t i) {
+        const auto c = static_cast<std::size_t>(i);
+        const auto solve = [&](const SparseMatrix<C>& S, const SparseMatrix<C>& M) {
+          return rows[c].along.empty() && options.path == EigenPath::automatic
+                     ? smallest_eigenpair(S, M, areas[c], options.eigen)
+                     : detail::smallest_with_rows(S, M, rows[c], sizes[c], options);
+        };
+        EigenResult eigen = whole ? solve(matrices.S, matrices.M)
+                                  : solve(diagonal_block(matrices.S, vertices[c], local),
+                                          diagonal_block(matrices.M, vertices[c], local));
+        for (std::size_t k = 0; k < vertices[c].size(); ++k)
+          result.field.u[vertices[c][k]] = eigen.u[static_cast<Eigen::Index>(k)];
+        result.components[c] = std::move(eigen.report);
+      },
+      1);
+
+  // Of u and -u the one that goes with the singularities, or else with the strokes.
+  std::vector<double> along(areas.size(), 0.0), flux(areas.size(), 0.0);
+  for (std::size_t k = 0; k < fluxes.size(); ++k)
+    flux[component_of_target(controls.singularities[k])] +=
+        controls.singularities[k].strength * fluxes[k].at(result.field.u).real();
+  for (std::size_t k = 0; k < strokes.size(); ++k)
+    for (const detail::StrokeSample& sample : samples[k])
+      along[component_of(strokes[k])] += strokes[k].weight * sample.ds * sample.at(result.field.u).real();
+  for (std::size_t c = 0; c < areas.size(); ++c)
+    if (flux[c] != 0 ? flux[c] < 0 : along[c] < 0)
+      for (const Index v : vertices[c]) result.field.u[v] = -result.field.u[v];
+  for (std::size_t k = 0; k < strokes.size(); ++k)
+    result.strokes.push_back(judge(samples[k], options.n, areas[component_of(strokes[k])], result.field.u));
+  if (!fluxes.empty()) {
+    const std::vector<int> indices = face_indices(mesh, connection, result.field);
+    for (std::size_t k = 0; k < fluxes.size(); ++k) {
+      const SingularityTarget& target = controls.singularities[k];
+      result.singularities.push_back(
+          judge(k, target, fluxes[k], indices[static_cast<std::size_t>(target.face)], options.n, result.field.u));
+    }
+  }
+  result.eigen_seconds = seconds_since(solve_start);
+  return result;
+}
+
+}  // namespace alcap

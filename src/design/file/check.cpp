@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: MIT
+//
+// check.cpp: what the values of a design must be, with and without a mesh.
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "alcap/design_file.h"
+#include "alcap/errors.h"
+#include "src/design/file/problem.h"
+
+namespace alcap {
+namespace {
+
+using detail::number_text;
+using detail::Problem;
+
+constexpr int largest_n = 1000;     // as `alcap field`
+constexpr double farthest = 1e150;  // of a point: distances are squared
+
+std::string text(const std::array<double, 3>& x) {
+  return "[" + number_text(x[0]) + "," + number_text(x[1]) + "," + number_text(x[2]) + "]";
+}
+
+void check_positive(const std::string& path, double value) {
+  if (!(value > 0) || !std::isfinite(value)) throw Problem{path, number_text(value), "must be positive and finite"};
+}
+
+void check_finite(const std::string& path, double value) {
+  if (!std::isfinite(value)) throw Problem{path, number_text(value), "must be finite"};
+}
+
+void check_finite_vector(const std::string& path, const Vector3& x) {
+  for (const double c : x)
+    if (!std::isfinite(c)) throw Problem{path, text(x), "must be finite"};
+}
+
+void check_point(const std::string& path, const Vector3& x) {
+  check_finite_vector(path, x);
+  for (const double c : x)
+    if (std::abs(c) > farthest) throw Problem{path, text(x), "is too far away; coordinates go up to 1e150"};
+}
+
+void check_direction(const std::string& path, const Vector3& x) {
+  check_finite_vector(path, x);
+  if (x[0] == 0 && x[1] == 0 && x[2] == 0) throw Problem{path, text(x), "a direction must not be zero"};
+}
+
+void check_barycentric(const std::string& path, const std::array<double, 3>& b) {
+  const double sum = b[0] + b[1] + b[2];
+  for (const double x : b)
+    if (!(x >= -1e-9) || !(std::abs(sum - 1) <= 1e-6))
+      throw Problem{path, text(b), "barycentric coordinates must not be negative and must sum to 1"};
+}
+
+void check_place(const std::string& path, const char* element, Index number, const std::optional<Vector3>& at) {
+  if ((number != none) == at.has_value()) {
+    if (number == none) throw Problem{path, "no place", std::string("needs either ") + element + " or at"};
+    throw Problem{path, "two places", std::string("needs either ") + element + " or at, not both"};
+  }
+  if (at)
+    check_point(path + "/at", *at);
+  else if (number < 0)
+    throw Problem{path + "/" + element, std::to_string(number), "must not be negative"};
+}
+
+void check(const std::string& path, const DesignSingularity& s, int n) {
+  check_place(path, "face", s.face, s.at);
+  const bool of_vectors =
+      s.kind == SingularityKind::sink || s.kind == SingularityKind::vortex || s.kind == SingularityKind::spiral;
+  const bool of_lines = s.kind == SingularityKind::wedge || s.kind == SingularityKind::trisector;
+  const std::string kind = std::string("\"") + name(s.kind) + "\"";
+  if ((of_vectors && n != 1) || (of_lines && n != 2))
+    throw Problem{path + "/kind", kind,
+                  std::string("exists for n = ") + (of_lines ? "2" : "1") + " only, and here n = " + std::to_string(n) +
+                      "; source and saddle exist for every n"};
+  check_finite(path + "/angle", s.angle);
+  if (s.relative_to) {
+    check_direction(path + "/relative_to", *s.relative_to);
+    if (n == 1 && index_of(s.kind) > 0)
+      throw Problem{path + "/relative_to", text(*s.relative_to),
+                    "the angle of a source, vortex or spiral is its swirl, which has no direction in space"};
+  }
+  check_positive(path + "/strength", s.strength);
+  if (s.barycentric) {
+    check_barycentric(path + "/pin", *s.barycentric);
+    if (s.at) throw Problem{path + "/pin", text(*s.barycentric), "goes with face; with at, give true"};
+    if (!s.pin) throw Problem{path + "/pin", text(*s.barycentric), "coordinates of a pin without a pin"};
+  }
+}
+
+void check(const std::string& path, const DesignFixed& f) {
+  check_place(path, "vertex", f.vertex, f.at);
+  if (f.direction.has_value() == f.angle.has_value())
+    throw Problem{path, f.angle ? "two directions" : "no direction", "needs either direction or angle"};
+  if (f.direction) check_direction(path + "/direction", *f.direction);
+  if (f.angle) check_finite(path + "/angle", *f.angle);
+  if (f.relative_to) {
+    check_direction(path + "/relative_to", *f.relative_to);
+    if (!f.angle) throw Problem{path + "/relative_to", text(*f.relative_to), "goes with angle"};
+  }
+  check_positive(path + "/length", f.length);
+  if (f.free_length && f.length != 1)
+    throw Problem{path + "/length", number_text(f.length), "a length that is free has no value"};
+}
+
+void check(const std::string& path, const DesignStroke& s) {
+  if (int(!s.points.empty()) + int(!s.vertices.empty()) + int(!s.path.empty()) > 1)
+    throw Problem{path, "two courses", "needs one of points, vertices and path"};
+  if (!s.vertices.empty()) {
+    if (s.vertices.size() < 2) throw Problem{path + "/vertices", "1 vertex", "a stroke has at least two"};
+    for (std::size_t k = 0; k < s.vertices.size(); ++k)
+      if (s.vertices[k] < 0)
+        throw Problem{path + "/vertices/" + std::to_string(k), std::to_string(s.vertices[k]), "must not be negative"};
+  } else if (!s.path.empty()) {
+    if (s.path.size() < 2) throw Problem{path + "/path", "1 point", "a stroke has at least two"};
+    for (std::size_t k = 0; k < s.path.size(); ++k) check_point(path + "/path/" + std::to_string(k), s.path[k]);
+  } else if (s.points.size() < 2) {
+    throw Problem{path + "/points", std::to_string(s.points.size()) + " points", "a stroke has at least two"};
+  }
+  for (std::size_t k = 0; k < s.points.size(); ++k) {
+    const std::string at = path + "/points/" + std::to_string(k);
+    check_place(at, "face", s.points[k].face, s.points[k].at);
+    if (!s.points[k].at) check_barycentric(at + "/barycentric", s.points[k].barycentric);
+  }
+  check_positive(path + "/weight", s.weight);
+  if (!(s.radius >= 0) || !std::isfinite(s.radius))
+    throw Problem{path + "/radius", number_text(s.radius), "must be finite and not negative"};
+}
+
+void check_turn(const std::string& path, double turns, int n) {
+  const double count = turns * n;
+  if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
+    throw Problem{path, number_text(turns), "must be a multiple of 1/n = 1/" + std::to_string(n)};
+}
+
+void check_turns(const std::string& path, const std::vector<double>& turns, int n) {
+  for (std::size_t k = 0; k < turns.size(); ++k) check_turn(path + "/" + std::to_string(k), turns[k], n);
+}
+
+void check(const DesignGuidance& g, int n) {
+  using Source = DesignGuidance::Source;
+  if (g.source == Source::none) return;
+  check_positive("/guidance/weight", g.weight);
+  if (g.source == Source::file && g.file.empty()) throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
+  if ((g.source == Source::curvature && n % 2 != 0) || (g.source == Source::least_curvature && n != 2))
+    throw Problem{"/guidance/field", std::string("\"") + name(g.source) + "\"",
+                  g.source == Source::curvature
+                      ? "principal directions are lines: n must be even, and here it is " + std::to_string(n)
+                      : "is for n = 2, and here n = " + std::to_string(n)};
+  if (g.t) {
+    check_finite("/guidance/t", *g.t);
+    if (g.weight != 1) throw Problem{"/guidance/t", number_text(*g.t), "goes instead of weight"};
+    if (!g.weights.empty()) throw Problem{"/guidance/t", number_text(*g.t), "weights per vertex go with weight"};
+  }
+  double sum = 0;
+  for (std::size_t k = 0; k < g.weights.size(); ++k) {
+    if (!(g.weights[k] >= 0) || !std::isfinite(g.weights[k]))
+      throw Problem{"/guidance/weights/" + std::to_string(k), number_text(g.weights[k]),
+                    "must be finite and not negative"};
+    sum += g.weights[k];
+  }
+  if (!g.weights.empty() && !(sum > 0)) throw Problem{"/guidance/weights", "all 0", "one at least must be positive"};
+}
+
+void check_eigen(const DesignFile& design) {
+  const auto refuse = [](const std::string& path, const std::string& value) {
+    throw Problem{path, value, "goes with the variational method, and here it is eigen"};
+  };
+  if (design.guidance.source != DesignGuidance::Source::none) refuse("/guidance", name(design.guidance.source));
+  if (!design.fixed.empty()) refuse("/fixed", std::to_string(design.fixed.size()) + " vertices");
+  if (design.boundary.wanted) refuse("/boundary", design.boundary.normal ? "normal" : "tangent");
+  for (std::size_t k = 0; k < design.singularities.size(); ++k)
+    if (design.singularities[k].pin) refuse("/singularities/" + std::to_string(k) + "/pin", "true");
+  for (std::size_t k = 0; k < design.strokes.size(); ++k)
+    if (design.strokes[k].radius > 0)
+      refuse("/strokes/" + std::to_string(k) + "/radius", number_text(design.strokes[k].radius));
+}
+
+std::string at(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
+
+void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
+  const auto face = [&](const std::string& path, Index t) {
+    if (t >= mesh.faces())
+      throw Problem{path, std::to_string(t), "there is no such face; the mesh has " + std::to_string(mesh.faces())};
+  };
+  const auto vertex = [&](const std::string& path, Index v) {
+    if (v >= mesh.vertices())
+      throw Problem{path, std::to_string(v),
+                    "there is no such vertex; the mesh has " + std::to_string(mesh.vertices())};
+    if (v >= 0 && !mesh.referenced(v)) throw Problem{path, std::to_string(v), "no face uses this vertex"};
+  };
+  if (design.mesh) {
+    if (design.mesh->vertices != mesh.vertices())
+      throw Problem{"/mesh/vertices", std::to_string(design.mesh->vertices),
+                    "the design is for another mesh; this one has " + std::to_string(mesh.vertices())};
+    if (design.mesh->faces != mesh.faces())
+      throw Problem{"/mesh/faces", std::to_string(design.mesh->faces),
+                    "the design is for another mesh; this one has " + std::to_string(mesh.faces())};
+  }
+  for (std::size_t k = 0; k < design.connection.cones.size(); ++k)
+    vertex(at("connection/cones", k) + "/vertex", design.connection.cones[k].vertex);
+  for (std::size_t k = 0; k < design.singularities.size(); ++k)
+    face(at("singularities", k) + "/face", design.singularities[k].face);
+  std::set<Index> fixed;
+  for (std::size_t k = 0; k < design.fixed.size(); ++k) {
+    vertex(at("fixed", k) + "/vertex", design.fixed[k].vertex);
+    if (design.fixed[k].vertex != none && !fixed.insert(design.fixed[k].vertex).second)
+      throw Problem{at("fixed", k) + "/vertex", std::to_string(design.fixed[k].vertex), "is fixed twice"};
+  }
+  for (std::size_t k = 0; k < design.strokes.size(); ++k) {
+    for (std::size_t p = 0; p < design.strokes[k].points.size(); ++p)
+      face(at("strokes", k) + "/points/" + std::to_string(p) + "/face", design.strokes[k].points[p].face);
+    for (std::size_t v = 0; v < design.strokes[k].vertices.size(); ++v)
+      vertex(at("strokes", k) + "/vertices/" + std::to_string(v), design.strokes[k].vertices[v]);
+  }
+  const auto weights = static_cast<std::int64_t>(design.guidance.weights.size());
+  if (weights > 0 && weights != mesh.vertices())
+    throw Problem{"/guidance/weights", std::to_string(weights) + " values",
+                  "needs one per vertex; the mesh has " + std::to_string(mesh.vertices())};
+}
+
+}  // namespace
+
+void detail::check_design_values(const DesignFile& design) {
+  if (design.n < 1 || design.n > largest_n)
+    throw Problem{"/n", std::to_string(design.n), "the degree of a field is 1 to " + std::to_string(largest_n)};
+  if (design.mesh && design.mesh->vertices < 3)
+    throw Problem{"/mesh/vertices", std::to_string(design.mesh->vertices), "a mesh has at least three"};
+  if (design.mesh && design.mesh->faces < 1)
+    throw Problem{"/mesh/faces", std::to_string(design.mesh->faces), "a mesh has at least one"};
+  check_positive("/connection/detail", design.connection.detail);
+  const bool trivial = design.connection.kind == ConnectionKind::trivial;
+  if (!(design.s >= -1 && design.s <= 1)) throw Problem{"/s", number_text(design.s), "must be in [-1, 1]"};
+  const auto only_trivial = [&](const char* key, const std::string& value) {
+    if (!trivial) throw Problem{std::string("/connection/") + key, value, "goes with a trivial connection"};
+  };
+  if (!design.connection.cones.empty())
+    only_trivial("cones", std::to_string(design.connection.cones.size()) + " cones");
+  if (!design.connection.cones_at.empty())
+    only_trivial("cones", std::to_string(design.connection.cones_at.size()) + " cones");
+  if (design.connection.balance) only_trivial("balance", "true");
+  if (!design.connection.holonomy.empty())
+    only_trivial("holonomy", std::to_string(design.connection.holonomy.size()) + " values");
+  if (!design.connection.loops.empty())
+    only_trivial("loops", std::to_string(design.connection.loops.size()) + " values");
+  check_turns("/connection/holonomy", design.connection.holonomy, design.n);
+  check_turns("/connection/loops", design.connection.loops, design.n);
+  for (std::size_t k = 0; k < design.connection.cones.size(); ++k) {
+    const Cone& cone = design.connection.cones[k];
+    if (cone.vertex < 0)
+      throw Problem{at("connection/cones", k) + "/vertex", std::to_string(cone.vertex), "must not be negative"};
+    check_turn(at("connection/cones", k) + "/index", cone.index, design.n);
+  }
+  for (std::size_t k = 0; k < design.connection.cones_at.size(); ++k) {
+    const std::string path = at("connection/cones", design.connection.cones.size() + k);
+    check_point(path + "/at", design.connection.cones_at[k].at);
+    check_turn(path + "/index", design.connection.cones_at[k].index, design.n);
+  }
+  check(design.guidance, design.n);
+  if (design.boundary.wanted) check_positive("/boundary/weight", design.boundary.weight);
+  if (design.method == DesignMethod::eigen) check_eigen(design);
+  for (std::size_t k = 0; k < design.singularities.size(); ++k)
+    check(at("singularities", k), design.singularities[k], design.n);
+  for (std::size_t k = 0; k < design.fixed.size(); ++k) check(at("fixed", k), design.fixed[k]);
+  for (std::size_t k = 0; k < design.strokes.size(); ++k) check(at("strokes", k), design.strokes[k]);
+}
+
+void check_design(const DesignFile& design) {
+  try {
+    detail::check_design_values(design);
+  } catch (const Problem& p) {
+    throw OptionError(p.path, p.value, p.rule);
+  }
+}
+
+void check_design(const DesignFile& design, const Mesh& mesh) {
+  check_design(design);
+  try {
+    check_with_mesh(design, mesh);
+  } catch (const Problem& p) {
+    throw OptionError(p.path, p.value, p.rule);
+  }
+}
+
+int index_of(SingularityKind kind) {
+  return kind == SingularityKind::saddle || kind == SingularityKind::trisector ? -1 : 1;
+}
+
+}  // namespace alcap

@@ -1,0 +1,377 @@
+// SPDX-License-Identifier: MIT
+//
+// parse.cpp: reads designs from JSON. Here types and keys are checked; what the values must be is the business of
+// design_file_check.cpp.
+#include "alcap/design_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "alcap/errors.h"
+#include "src/design/file/problem.h"
+
+namespace alcap {
+namespace {
+
+using Json = nlohmann::json;
+using detail::Problem;
+
+constexpr int deepest = 16;                                  // a design nests four levels
+constexpr std::uintmax_t largest = std::uintmax_t{1} << 28;  // bytes; a design of a million stroke points is smaller
+
+std::string shortened(const Json& json) {
+  if (json.is_object()) return "an object";
+  if (json.is_array() && json.size() > 8) return "a list of " + std::to_string(json.size());
+  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+/// A value of the file and its path.
+class Node {
+ public:
+  Node(const Json& json, std::string path) : json_(&json), path_(std::move(path)) {}
+
+  [[noreturn]] void fail(const std::string& rule) const {
+    throw Problem{path_.empty() ? "/" : path_, shortened(*json_), rule};
+  }
+
+  /// Must be an object with no other keys than these.
+  void keys(std::initializer_list<const char*> known) const {
+    if (!json_->is_object()) fail("must be an object");
+    for (const auto& [key, value] : json_->items()) {
+      if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+      std::string list;
+      for (const char* k : known) list += (list.empty() ? "" : ", ") + std::string(k);
+      Node(value, path_ + "/" + key).fail("unknown key; known are " + list);
+    }
+  }
+  [[nodiscard]] std::optional<Node> find(const char* key) const {
+    const auto at = json_->find(key);
+    if (at == json_->end()) return std::nullopt;
+    return Node(*at, path_ + "/" + key);
+  }
+  [[nodiscard]] Node at(const char* key) const {
+    if (const auto node = find(key)) return *node;
+    fail(std::string("needs the key ") + key);
+  }
+  [[nodiscard]] std::vector<Node> list() const {
+    if (!json_->is_array()) fail("must be a list");
+    std::vector<Node> nodes;
+    for (std::size_t k = 0; k < json_->size(); ++k) nodes.emplace_back((*json_)[k], path_ + "/" + std::to_string(k));
+    return nodes;
+  }
+  [[nodiscard]] double number() const {
+    if (!json_->is_number()) fail("must be a number");
+    return json_->get<double>();
+  }
+  template <class I>
+  [[nodiscard]] I whole() const {
+    // 12.0 is a whole number too, as in JSON Schema.
+    const double value = json_->is_number() ? json_->get<double>() : std::numeric_limits<double>::quiet_NaN();
+    const double limit = std::min(double(std::numeric_limits<I>::max()), 9e15);  // exact in double
+    if (!(std::abs(value) <= limit) || value != std::floor(value)) fail("must be a whole number");
+    return static_cast<I>(value);
+  }
+  [[nodiscard]] std::string text() const {
+    if (!json_->is_string()) fail("must be a text");
+    return json_->get<std::string>();
+  }
+  [[nodiscard]] std::array<double, 3> triple() const {
+    if (!json_->is_array() || json_->size() != 3) fail("must be a list of three numbers");
+    const std::vector<Node> nodes = list();
+    return {nodes[0].number(), nodes[1].number(), nodes[2].number()};
+  }
+  [[nodiscard]] bool is_string() const { return json_->is_string(); }
+  [[nodiscard]] bool is_bool() const { return json_->is_boolean(); }
+  [[nodiscard]] bool boolean() const { return json_->get<bool>(); }
+
+ private:
+  const Json* json_;
+  std::string path_;
+};
+
+template <class T>
+struct Named {
+  const char* name;
+  T value;
+};
+
+template <class T, std::size_t N>
+T pick(const Node& node, const Named<T> (&names)[N]) {
+  const std::string text = node.text();
+  std::string list;
+  for (const auto& n : names) {
+    if (text == n.name) return n.value;
+    list += (list.empty() ? "" : ", ") + std::string(n.name);
+  }
+  node.fail("must be one of " + list);
+}
+
+constexpr Named<SingularityKind> kinds[] = {
+    {"source", SingularityKind::source},      {"sink", SingularityKind::sink},     {"vortex", SingularityKind::vortex},
+    {"spiral", SingularityKind::spiral},      {"saddle", SingularityKind::saddle}, {"wedge", SingularityKind::wedge},
+    {"trisector", SingularityKind::trisector}};
+
+/// 0.25 or "1/4".
+double cone_index(const Node& node) {
+  if (!node.is_string()) return node.number();
+  const std::string text = node.text();
+  double over = 1, under = 1;
+  const char* const end = text.data() + text.size();
+  auto [stop, error] = std::from_chars(text.data() + text.starts_with('+'), end, over);
+  if (error == std::errc() && stop != end && *stop == '/') {
+    const auto rest = std::from_chars(stop + 1, end, under);
+    error = rest.ec;
+    stop = rest.ptr;
+  }
+  if (error != std::errc() || stop != end || !(under > 0))
+    node.fail("must be a number, or a fraction such as \"-1/4\"");
+  return over / under;
+}
+
+void read_place(const Node& node, const char* element, Index& number, std::optional<Vector3>& at) {
+  if (const auto x = node.find(element)) number = x->whole<Index>();
+  if (const auto x = node.find("at")) at = x->triple();
+}
+
+std::string read_name(const Node& node) {
+  const auto x = node.find("name");
+  return x ? x->text() : "";
+}
+
+DesignSingularity read_singularity(const Node& node) {
+  node.keys({"name", "face", "at", "kind", "angle", "relative_to", "strength", "pin"});
+  DesignSingularity s{.name = read_name(node)};
+  read_place(node, "face", s.face, s.at);
+  s.kind = pick(node.at("kind"), kinds);
+  if (const auto x = node.find("angle")) {
+    s.angle = x->number();
+  } else if (s.kind == SingularityKind::spiral) {
+    node.fail("a spiral needs the key angle");
+  }
+  if (const auto x = node.find("relative_to")) s.relative_to = x->triple();
+  if (const auto x = node.find("strength")) s.strength = x->number();
+  if (const auto x = node.find("pin")) {
+    if (x->is_bool()) {
+      s.pin = x->boolean();
+    } else {
+      s.pin = true;
+      s.barycentric = x->triple();
+    }
+  }
+  return s;
+}
+
+DesignFixed read_fixed(const Node& node) {
+  node.keys({"name", "vertex", "at", "direction", "angle", "relative_to", "length"});
+  DesignFixed f{.name = read_name(node)};
+  read_place(node, "vertex", f.vertex, f.at);
+  if (const auto x = node.find("direction")) f.direction = x->triple();
+  if (const auto x = node.find("angle")) f.angle = x->number();
+  if (const auto x = node.find("relative_to")) f.relative_to = x->triple();
+  if (const auto x = node.find("length")) {
+    if (x->is_string()) {
+      constexpr Named<bool> names[] = {{"free", true}};
+      f.free_length = pick(*x, names);
+    } else {
+      f.length = x->number();
+    }
+  }
+  return f;
+}
+
+DesignStroke read_stroke(const Node& node) {
+  node.keys({"name", "points", "vertices", "path", "weight", "radius"});
+  DesignStroke s{.name = read_name(node)};
+  const auto points = node.find("points"), vertices = node.find("vertices"), path = node.find("path");
+  if (int(points.has_value()) + int(vertices.has_value()) + int(path.has_value()) != 1)
+    node.fail("needs one of the keys points, vertices and path");
+  if (vertices)
+    for (const Node& v : vertices->list()) s.vertices.push_back(v.whole<Index>());
+  if (path)
+    for (const Node& p : path->list()) s.path.push_back(p.triple());
+  for (const Node& p : points ? points->list() : std::vector<Node>{}) {
+    p.keys({"face", "barycentric", "at"});
+    DesignPoint point;
+    read_place(p, "face", point.face, point.at);
+    const auto b = p.find("barycentric");
+    if (b.has_value() == point.at.has_value()) p.fail("needs either face and barycentric, or at");
+    if (b) point.barycentric = b->triple();
+    s.points.push_back(point);
+  }
+  if (const auto x = node.find("weight")) s.weight = x->number();
+  if (const auto x = node.find("radius")) s.radius = x->number();
+  return s;
+}
+
+DesignBoundary read_boundary(const Node& node) {
+  node.keys({"align", "weight"});
+  constexpr Named<bool> names[] = {{"tangent", false}, {"normal", true}};
+  DesignBoundary b{.wanted = true, .normal = pick(node.at("align"), names)};
+  if (const auto x = node.find("weight")) b.weight = x->number();
+  return b;
+}
+
+/// Turns: numbers or fractions.
+std::vector<double> read_turns(const Node& node) {
+  std::vector<double> turns;
+  for (const Node& x : node.list()) turns.push_back(cone_index(x));
+  return turns;
+}
+
+DesignConnection read_connection(const Node& node) {
+  node.keys({"kind", "detail", "cones", "balance", "holonomy", "loops"});
+  DesignConnection c;
+  enum class Kind { global, local, polar, barycenter, trivial };
+  constexpr Named<Kind> names[] = {{"global", Kind::global},
+                                   {"local", Kind::local},
+                                   {"polar", Kind::polar},
+                                   {"polar-barycenter", Kind::barycenter},
+                                   {"trivial", Kind::trivial}};
+  const Kind kind = pick(node.at("kind"), names);
+  c.kind = kind == Kind::global    ? ConnectionKind::global
+           : kind == Kind::local   ? ConnectionKind::local
+           : kind == Kind::trivial ? ConnectionKind::trivial
+                                   : ConnectionKind::polar;
+  if (kind == Kind::barycenter) c.center = PolarCenter::barycenter;
+  if (const auto x = node.find("detail")) c.detail = x->number();
+  if (const auto x = node.find("cones")) {
+    for (const Node& cone : x->list()) {
+      cone.keys({"vertex", "at", "index"});
+      const double index = cone_index(cone.at("index"));
+      const auto vertex = cone.find("vertex"), at = cone.find("at");
+      if (vertex.has_value() == at.has_value()) cone.fail("needs either vertex or at");
+      if (vertex)
+        c.cones.push_back({.vertex = vertex->whole<Index>(), .index = index});
+      else
+        c.cones_at.push_back({.at = at->triple(), .index = index});
+    }
+  }
+  if (const auto x = node.find("balance")) {
+    if (!x->is_bool()) x->fail("must be true or false");
+    c.balance = x->boolean();
+  }
+  if (const auto x = node.find("holonomy")) c.holonomy = read_turns(*x);
+  if (const auto x = node.find("loops")) c.loops = read_turns(*x);
+  return c;
+}
+
+DesignGuidance read_guidance(const Node& node, const std::filesystem::path& folder) {
+  node.keys({"field", "file", "weight", "t", "weights"});
+  DesignGuidance g;
+  const auto field = node.find("field"), file = node.find("file");
+  if (field.has_value() == file.has_value()) node.fail("needs either field or file");
+  if (field) {
+    constexpr Named<DesignGuidance::Source> names[] = {{"smoothest", DesignGuidance::Source::smoothest},
+                                                       {"curvature", DesignGuidance::Source::curvature},
+                                                       {"least-curvature", DesignGuidance::Source::least_curvature},
+                                                       {"zero", DesignGuidance::Source::zero}};
+    g.source = pick(*field, names);
+  } else {
+    g.source = DesignGuidance::Source::file;
+    const std::string text = file->text();
+    if (text.empty() || text.find('\0') != std::string::npos) file->fail("must be the name of a file");
+    g.file = folder / text;
+  }
+  if (const auto x = node.find("weight")) g.weight = x->number();
+  if (const auto x = node.find("t")) {
+    g.t = x->number();
+    if (node.find("weight")) x->fail("goes instead of weight");
+  }
+  if (const auto x = node.find("weights"))
+    for (const Node& w : x->list()) g.weights.push_back(w.number());
+  return g;
+}
+
+DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
+  node.keys({"$schema", "alcap_design", "comment", "mesh", "n", "method", "s", "connection", "guidance",
+             "singularities", "fixed", "strokes", "boundary"});
+  if (const auto version = node.at("alcap_design"); version.whole<int>() != design_version)
+    version.fail("this alcap reads version " + std::to_string(design_version));
+  if (const auto x = node.find("$schema")) (void)x->text();
+  DesignFile design;
+  if (const auto x = node.find("comment")) design.comment = x->text();
+  if (const auto x = node.find("mesh")) {
+    x->keys({"vertices", "faces"});
+    design.mesh = DesignMesh{x->at("vertices").whole<std::int64_t>(), x->at("faces").whole<std::int64_t>()};
+  }
+  design.n = node.at("n").whole<int>();
+  if (const auto x = node.find("method")) {
+    constexpr Named<DesignMethod> names[] = {{"variational", DesignMethod::variational},
+                                             {"eigen", DesignMethod::eigen}};
+    design.method = pick(*x, names);
+  }
+  if (const auto x = node.find("s")) design.s = x->number();
+  if (const auto x = node.find("boundary")) design.boundary = read_boundary(*x);
+  if (const auto x = node.find("connection")) design.connection = read_connection(*x);
+  if (const auto x = node.find("guidance")) design.guidance = read_guidance(*x, folder);
+  if (const auto x = node.find("singularities"))
+    for (const Node& s : x->list()) design.singularities.push_back(read_singularity(s));
+  if (const auto x = node.find("fixed"))
+    for (const Node& f : x->list()) design.fixed.push_back(read_fixed(f));
+  if (const auto x = node.find("strokes"))
+    for (const Node& s : x->list()) design.strokes.push_back(read_stroke(s));
+  return design;
+}
+
+/// Parses, and refuses what the JSON library would let pass: keys given twice, absurd depth.
+Json parse_json(std::string_view text, const std::string& name) {
+  std::vector<std::set<std::string>> open;
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth > deepest) throw FileError(name + ": nested too deeply for a design", name);
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
+      throw FileError(name + ": the key " + value.dump() + " is given twice in one object", name);
+    return true;
+  };
+  try {
+    return Json::parse(text.begin(), text.end(), watch);
+  } catch (const Json::parse_error& e) {
+    const auto end = std::min(e.byte, text.size());
+    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
+    const std::string what = e.what();
+    const auto colon = what.find(": ", what.find("column"));
+    throw FileError(name + ":" + std::to_string(line) +
+                        ": not JSON: " + (colon == std::string::npos ? what : what.substr(colon + 2)),
+                    name, line, static_cast<std::int64_t>(end));
+  } catch (const Json::exception& e) {
+    throw FileError(name + ": not usable JSON: " + e.what(), name);
+  }
+}
+
+}  // namespace
+
+DesignFile parse_design(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
+  const Json json = parse_json(text, name);
+  try {
+    DesignFile design = read_all(Node(json, ""), folder);
+    detail::check_design_values(design);
+    return design;
+  } catch (const Problem& p) {
+    throw FileError(name + ": " + p.path + " = " + p.value + ": " + p.rule, name);
+  }
+}
+
+DesignFile read_design(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw FileError(name + ": is a folder, not a design", name);
+  if (const auto size = std::filesystem::file_size(path, error); !error && size > largest)
+    throw FileError(name + ": is too large for a design", name);
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf()))
+    throw FileError(name + ": cannot be read, or is empty; give a design file (docs/design.md)", name);
+  return parse_design(text.view(), name, path.parent_path());
+}
+
+}  // namespace alcap

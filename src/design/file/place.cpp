@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: MIT
+//
+// place.cpp: a design on a mesh: nearest faces and vertices, directions of space as angles in frames, and
+// the designer's controls.
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <optional>
+
+#include "alcap/design_file.h"
+#include "alcap/errors.h"
+#include "src/design/file/problem.h"
+
+namespace alcap {
+namespace {
+
+using Row = Eigen::RowVector3d;
+
+constexpr double degree = pi<double> / 180;
+// A unit direction whose tangential part is smaller than this says nothing.
+constexpr double tangential = 1e-6;
+
+Row row(const Vector3& x) { return {x[0], x[1], x[2]}; }
+
+/// Of length 1, also where the squares of the coordinates overflow or vanish.
+Row unit(const Vector3& direction) {
+  const Row d = row(direction);
+  return (d / d.cwiseAbs().maxCoeff()).normalized();
+}
+
+Index nearest_vertex(const Mesh& mesh, const Positions<double>& V, const Vector3& at) {
+  Index best = none;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    const double distance = (V.row(v) - row(at)).squaredNorm();
+    if (!mesh.referenced(v) || !(distance < least)) continue;
+    least = distance;
+    best = v;
+  }
+  return best;
+}
+
+/// The argument of a unit direction's component; the direction is named when it is (nearly) normal to the surface.
+double direction(const std::string& path, const Vector3& given, Complex<double> component) {
+  if (!(std::abs(component) > tangential))
+    throw OptionError(path,
+                      "[" + detail::number_text(given[0]) + "," + detail::number_text(given[1]) + "," +
+                          detail::number_text(given[2]) + "]",
+                      "is normal to the surface there: it has no part in the tangent plane");
+  return std::arg(component);
+}
+
+double face_direction(const std::string& path, const Mesh& mesh, const Positions<double>& V, Index t,
+                      const Vector3& given) {
+  const Row a = V.row(mesh.F()(t, 0)), x = (V.row(mesh.F()(t, 1)) - a).normalized();
+  const Row normal = x.cross(V.row(mesh.F()(t, 2)) - a).normalized(), d = unit(given);
+  return direction(path, given, {d.dot(x), d.dot(normal.cross(x))});
+}
+
+double vertex_direction(const std::string& path, const Frames<double>& frames, Index v, const Vector3& given) {
+  return direction(path, given, frames.component(v, unit(given)));
+}
+
+double swirl(SingularityKind kind) {
+  return kind == SingularityKind::vortex ? 90 : kind == SingularityKind::sink ? 180 : 0;
+}
+
+SurfacePolyline traced(const std::string& path, const Mesh& mesh, const Positions<double>& V,
+                       const Geometry<double>& geometry, const DesignStroke& stroke) {
+  try {
+    if (!stroke.vertices.empty()) return stroke_along_vertices(mesh, geometry, stroke.vertices);
+    std::vector<SurfacePoint> points;
+    for (const DesignPoint& p : stroke.points) points.push_back({p.face, p.barycentric});
+    return stroke_through_points(mesh, V, geometry, points);
+  } catch (const OptionError& e) {
+    const std::string head = OptionError(e.field(), e.value(), "").what();
+    throw OptionError(path, e.field() + " " + e.value(), std::string(e.what()).substr(head.size()));
+  }
+}
+
+std::string path(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
+
+}  // namespace
+
+std::string detail::label(const DesignSingularity& s) {
+  return s.name.empty() ? std::string(name(s.kind)) + " in face " + std::to_string(s.face) : s.name;
+}
+std::string detail::label(const DesignFixed& f) {
+  return f.name.empty() ? "fixed vertex " + std::to_string(f.vertex) : f.name;
+}
+std::string detail::label(const DesignStroke& s, std::size_t number) {
+  return s.name.empty() ? "stroke " + std::to_string(number) : s.name;
+}
+
+DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positions<double>& V) {
+  check_design(design, mesh);
+  DesignFile placed = design;
+  std::optional<SurfaceLocator> locator;  // made when a point of space is met
+  const auto nearest_point = [&](const Vector3& at) {
+    if (!locator) locator.emplace(mesh, V);
+    return locator->closest(row(at));
+  };
+  for (const DesignConeAt& cone : placed.connection.cones_at)
+    placed.connection.cones.push_back({.vertex = nearest_vertex(mesh, V, cone.at), .index = cone.index});
+  placed.connection.cones_at.clear();
+  for (DesignSingularity& s : placed.singularities) {
+    if (s.at) {
+      const SurfacePoint point = nearest_point(*s.at);
+      s.face = point.face;
+      if (s.pin) s.barycentric = point.barycentric;
+      s.at.reset();
+    } else if (s.pin && !s.barycentric) {
+      s.barycentric = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    }
+  }
+  for (DesignFixed& f : placed.fixed) {
+    if (!f.at) continue;
+    f.vertex = nearest_vertex(mesh, V, *f.at);
+    f.at.reset();
+  }
+  for (DesignStroke& s : placed.strokes) {
+    for (DesignPoint& p : s.points) {
+      if (!p.at) continue;
+      const SurfacePoint point = nearest_point(*p.at);
+      p = {.face = point.face, .barycentric = point.barycentric};
+    }
+    for (const Vector3& x : s.path) {
+      const SurfacePoint point = nearest_point(x);
+      s.points.push_back({.face = point.face, .barycentric = point.barycentric});
+    }
+    s.path.clear();
+  }
+  check_design(placed, mesh);  // two points may be nearest to one vertex
+  return placed;
+}
+
+std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh, const Positions<double>& V,
+                                           const Geometry<double>& geometry, const Frames<double>& frames) {
+  std::vector<DesignControl> controls;
+  const int n = design.n;
+  for (std::size_t k = 0; k < design.singularities.size(); ++k) {
+    const DesignSingularity& s = design.singularities[k];
+    const std::string at = path("singularities", k);
+    double angle = (s.angle + swirl(s.kind)) * degree;
+    if (s.relative_to) angle += face_direction(at + "/relative_to", mesh, V, s.face, *s.relative_to);
+    controls.push_back({at, detail::label(s),
+                        SingularityTarget{.face = s.face,
+                                          .sign = index_of(s.kind),
+                                          .orientation = wrap(angle),
+                                          .strength = s.strength,
+                                          .pin = s.pin ? s.barycentric : std::nullopt}});
+  }
+  for (std::size_t k = 0; k < design.fixed.size(); ++k) {
+    const DesignFixed& f = design.fixed[k];
+    const std::string at = path("fixed", k);
+    double angle = f.angle.value_or(0.0) * degree;
+    if (f.direction) angle += vertex_direction(at + "/direction", frames, f.vertex, *f.direction);
+    if (f.relative_to) angle += vertex_direction(at + "/relative_to", frames, f.vertex, *f.relative_to);
+    controls.push_back(
+        {at, detail::label(f),
+         VertexConstraint{
+             .vertex = f.vertex, .value = std::polar(f.length, n * wrap(angle)), .direction_only = f.free_length}});
+  }
+  for (std::size_t k = 0; k < design.strokes.size(); ++k) {
+    const DesignStroke& s = design.strokes[k];
+    controls.push_back(
+        {path("strokes", k), detail::label(s, k),
+         Stroke{.weight = s.weight, .line = traced(path("strokes", k), mesh, V, geometry, s), .radius = s.radius}});
+  }
+  if (design.boundary.wanted)
+    controls.push_back({"/boundary", design.boundary.normal ? "across the boundary" : "along the boundary",
+                        BoundaryAlignment{.normal = design.boundary.normal, .weight = design.boundary.weight}});
+  return controls;
+}
+
+}  // namespace alcap

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+//
+// write.cpp: designs as JSON text. Keys whose value is the default are left out.
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "alcap/design_file.h"
+#include "src/base/atomic_file.h"
+#include "src/design/file/problem.h"
+
+namespace alcap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void write_place(Json& json, const char* element, Index number, const std::optional<Vector3>& at) {
+  if (at)
+    json["at"] = *at;
+  else
+    json[element] = number;
+}
+
+Json json_of(const DesignSingularity& s) {
+  Json json = Json::object();
+  if (!s.name.empty()) json["name"] = s.name;
+  write_place(json, "face", s.face, s.at);
+  json["kind"] = name(s.kind);
+  if (s.angle != 0 || s.kind == SingularityKind::spiral) json["angle"] = s.angle;
+  if (s.relative_to) json["relative_to"] = *s.relative_to;
+  if (s.strength != 1) json["strength"] = s.strength;
+  if (s.barycentric)
+    json["pin"] = *s.barycentric;
+  else if (s.pin)
+    json["pin"] = true;
+  return json;
+}
+
+Json json_of(const DesignFixed& f) {
+  Json json = Json::object();
+  if (!f.name.empty()) json["name"] = f.name;
+  write_place(json, "vertex", f.vertex, f.at);
+  if (f.direction) json["direction"] = *f.direction;
+  if (f.angle) json["angle"] = *f.angle;
+  if (f.relative_to) json["relative_to"] = *f.relative_to;
+  if (f.free_length)
+    json["length"] = "free";
+  else if (f.length != 1)
+    json["length"] = f.length;
+  return json;
+}
+
+Json json_of(const DesignStroke& s) {
+  Json json = Json::object();
+  if (!s.name.empty()) json["name"] = s.name;
+  if (!s.vertices.empty()) json["vertices"] = s.vertices;
+  if (!s.path.empty()) json["path"] = s.path;
+  Json points = Json::array();
+  for (const DesignPoint& p : s.points) {
+    Json point = Json::object();
+    write_place(point, "face", p.face, p.at);
+    if (!p.at) point["barycentric"] = p.barycentric;
+    points.push_back(std::move(point));
+  }
+  if (!s.points.empty()) json["points"] = std::move(points);
+  if (s.weight != 1) json["weight"] = s.weight;
+  if (s.radius != 0) json["radius"] = s.radius;
+  return json;
+}
+
+Json json_of(const DesignConnection& c) {
+  Json json = Json::object();
+  json["kind"] = c.kind == ConnectionKind::global      ? "global"
+                 : c.kind == ConnectionKind::local     ? "local"
+                 : c.kind == ConnectionKind::trivial   ? "trivial"
+                 : c.center == PolarCenter::barycenter ? "polar-barycenter"
+                                                       : "polar";
+  if (c.detail != 1) json["detail"] = c.detail;
+  for (const Cone& cone : c.cones) json["cones"].push_back({{"vertex", cone.vertex}, {"index", cone.index}});
+  for (const DesignConeAt& cone : c.cones_at) json["cones"].push_back({{"at", cone.at}, {"index", cone.index}});
+  if (c.balance) json["balance"] = true;
+  if (!c.holonomy.empty()) json["holonomy"] = c.holonomy;
+  if (!c.loops.empty()) json["loops"] = c.loops;
+  return json;
+}
+
+template <class T>
+void write_list(Json& json, const char* key, const std::vector<T>& list) {
+  for (const T& x : list) json[key].push_back(json_of(x));
+}
+
+}  // namespace
+
+std::string design_text(const DesignFile& design) {
+  check_design(design);
+  Json json = Json::object();
+  json["alcap_design"] = design_version;
+  if (!design.comment.empty()) json["comment"] = design.comment;
+  if (design.mesh) json["mesh"] = {{"vertices", design.mesh->vertices}, {"faces", design.mesh->faces}};
+  json["n"] = design.n;
+  if (design.method == DesignMethod::eigen) json["method"] = "eigen";
+  if (design.s != 0) json["s"] = design.s;
+  json["connection"] = json_of(design.connection);
+  if (design.guidance.source != DesignGuidance::Source::none) {
+    Json& g = json["guidance"] = Json::object();
+    if (design.guidance.source == DesignGuidance::Source::file)
+      g["file"] = design.guidance.file.string();
+    else
+      g["field"] = name(design.guidance.source);
+    if (design.guidance.t)
+      g["t"] = *design.guidance.t;
+    else if (design.guidance.weight != 1)
+      g["weight"] = design.guidance.weight;
+    if (!design.guidance.weights.empty()) g["weights"] = design.guidance.weights;
+  }
+  write_list(json, "singularities", design.singularities);
+  write_list(json, "fixed", design.fixed);
+  write_list(json, "strokes", design.strokes);
+  if (design.boundary.wanted) {
+    json["boundary"]["align"] = design.boundary.normal ? "normal" : "tangent";
+    if (design.boundary.weight != 1) json["boundary"]["weight"] = design.boundary.weight;
+  }
+  // Texts from outside JSON may hold anything; what is not UTF-8 is replaced.
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_design(const std::filesystem::path& path, const DesignFile& design) {
+  const std::string text = design_text(design);
+  detail::AtomicFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+std::string detail::number_text(double value) {
+  if (std::isnan(value)) return "nan";
+  if (std::isinf(value)) return value > 0 ? "infinity" : "-infinity";
+  char buffer[32];
+  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  return {buffer, end};
+}
+
+const char* name(DesignGuidance::Source source) {
+  switch (source) {
+    case DesignGuidance::Source::none:
+      return "none";
+    case DesignGuidance::Source::zero:
+      return "zero";
+    case DesignGuidance::Source::smoothest:
+      return "smoothest";
+    case DesignGuidance::Source::curvature:
+      return "curvature";
+    case DesignGuidance::Source::least_curvature:
+      return "least-curvature";
+    case DesignGuidance::Source::file:
+      return "file";
+  }
+  return "none";
+}
+
+const char* name(SingularityKind kind) {
+  switch (kind) {
+    case SingularityKind::source:
+      return "source";
+    case SingularityKind::sink:
+      return "sink";
+    case SingularityKind::vortex:
+      return "vortex";
+    case SingularityKind::spiral:
+      return "spiral";
+    case SingularityKind::saddle:
+      return "saddle";
+    case SingularityKind::wedge:
+      return "wedge";
+    case SingularityKind::trisector:
+      return "trisector";
+  }
+  return "source";
+}
+
+}  // namespace alcap

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+//
+// designer.cpp: variational design by one factorisation: what a designer is asked for, and what of the last solution
+// stays true when a control comes, goes or changes.
+#include "alcap/designer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "src/design/variational/state.h"
+
+namespace alcap {
+namespace {
+
+using detail::ControlLoad;
+using detail::ControlRow;
+using detail::Prepared;
+using C = Complex<double>;
+
+// So many changed targets keep solutions of their own; with more, the oldest go back into the common one.
+constexpr std::size_t live_targets = 8;
+
+}  // namespace
+
+void Designer::State::touched(const ControlLoad& load) {
+  soft_changed |= load.soft();
+  if (load.face != none) common.resize(0, 0);
+}
+
+void Designer::State::make_live(Prepared& p) {
+  std::size_t live = 0;
+  Prepared* oldest = nullptr;
+  for (auto& [id, q] : prepared) {
+    if (q.live_since == 0) continue;
+    ++live;
+    if (!oldest || q.live_since < oldest->live_since) oldest = &q;
+  }
+  if (live >= live_targets) {
+    oldest->live_since = 0;
+    oldest->own.resize(0);
+    common.resize(0, 0);
+  }
+  p.live_since = ++clock;
+}
+
+Designer::Designer(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+                   const Connection<double>& connection, const DesignerOptions& options)
+    : state_(std::make_unique<State>(mesh, V, geometry, connection, options)) {}
+Designer::~Designer() = default;
+Designer::Designer(Designer&&) noexcept = default;
+Designer& Designer::operator=(Designer&&) noexcept = default;
+
+ControlId Designer::add(Control control) {
+  State& s = *state_;
+  ControlLoad load = std::visit(s.loads, control);
+  const ControlId id{s.next_id++};
+  s.touched(load);
+  s.prepared.emplace(id, Prepared{.load = std::move(load)});
+  s.controls.emplace(id, std::move(control));
+  return id;
+}
+
+void Designer::set(ControlId id, Control control) {
+  State& s = *state_;
+  const auto at = s.prepared.find(id);
+  if (at == s.prepared.end()) throw OptionError("id", std::to_string(static_cast<int>(id)), "there is no such control");
+  Prepared& p = at->second;
+  ControlLoad load = std::visit(s.loads, control);
+  // Rows that stay the same keep their solved columns: turning a pinned saddle costs a right-hand side.
+  const auto same = [](const ControlRow& a, const ControlRow& b) {
+    return a.vertex == b.vertex && a.coefficient == b.coefficient;
+  };
+  if (!std::equal(load.rows.begin(), load.rows.end(), p.load.rows.begin(), p.load.rows.end(), same)) p.forget_rows();
+  s.soft_changed |= load.soft() || p.load.soft();
+  if (load.face != p.load.face || load.coefficient != p.load.coefficient) p.own.resize(0);
+  if (p.live_since == 0) {
+    if (p.load.face != none) s.common.resize(0, 0);
+    if (load.face != none) s.make_live(p);
+  } else if (load.face == none) {
+    p.live_since = 0;
+  }
+  p.load = std::move(load);
+  s.controls.at(id) = std::move(control);
+}
+
+void Designer::remove(ControlId id) {
+  State& s = *state_;
+  const auto at = s.prepared.find(id);
+  if (at == s.prepared.end()) throw OptionError("id", std::to_string(static_cast<int>(id)), "there is no such control");
+  s.soft_changed |= at->second.load.soft();
+  if (at->second.load.face != none && at->second.live_since == 0) s.common.resize(0, 0);
+  s.prepared.erase(at);
+  s.controls.erase(id);
+}
+
+const std::map<ControlId, Control>& Designer::controls() const { return state_->controls; }
+
+void Designer::set_guidance(const ComplexVectorX<double>& u0) {
+  State& s = *state_;
+  if (!(s.guidance_scale() > 0)) throw OptionError("guidance_weight", "0", "a guidance field needs a weight");
+  if (u0.size() != s.mesh.vertices())
+    throw OptionError("u0", std::to_string(u0.size()) + " values", "needs one per vertex");
+  if (!u0.allFinite()) throw OptionError("u0", "not finite", "every value must be finite");
+  s.u0 = u0;
+  s.make_guidance();
+}
+
+void Designer::set_guidance_weight(double weight) {
+  State& s = *state_;
+  State::check_guidance_weight(weight);
+  if (!(weight > 0) && s.u0.size() > 0) throw OptionError("guidance_weight", "0", "a guidance field needs a weight");
+  s.reweight([&] {
+    s.options.guidance_weight = weight;
+    s.options.t.reset();
+  });
+}
+
+void Designer::set_guidance_weights(const VectorX<double>& weights) {
+  State& s = *state_;
+  if (weights.size() != s.mesh.vertices())
+    throw OptionError("weights", std::to_string(weights.size()) + " values", "needs one per vertex");
+  for (Index v = 0; v < s.mesh.vertices(); ++v)
+    if (!(weights[v] >= 0) || !std::isfinite(weights[v]))
+      throw OptionError("weights", std::to_string(weights[v]),
+                        "of vertex " + std::to_string(v) + " must be finite and not negative");
+  if (!(weights.maxCoeff() > 0)) throw OptionError("weights", "all 0", "one at least must be positive");
+  if (s.options.t) throw OptionError("t", State::shown(*s.options.t), "weights per vertex go with guidance_weight");
+  s.reweight([&] {
+    s.weighted = s.M;
+    const VectorX<double> roots = weights.cwiseSqrt();
+    for (Index j = 0; j < s.weighted.outerSize(); ++j)
+      for (SparseMatrix<C>::InnerIterator it(s.weighted, j); it; ++it) it.valueRef() *= roots[it.row()] * roots[j];
+  });
+}
+
+DesignResult Designer::solve() {
+  State& s = *state_;
+  const auto start = std::chrono::steady_clock::now();
+  if (s.controls.empty() && s.guidance.isZero(0))
+    throw OptionError("controls", "none", "without targets, constraints, strokes or guidance the field is zero");
+  s.choose_folding();
+  s.factorise();
+  DesignResult result;
+  result.field.n = s.options.n;
+  result.field.frames = s.frames;
+  s.solve_loads(result);
+  s.apply_rows(result);
+  result.solver = s.solver->name();
+  s.tell("analysis");
+  for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace alcap

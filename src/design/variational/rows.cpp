@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+#include "src/design/variational/rows.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <string>
+#include <utility>
+
+#include "src/connection/triangle_frame.h"
+
+namespace alcap::detail {
+namespace {
+
+using C = Complex<double>;
+
+// A target's flux, in units of 2 pi sqrt(area of its face): the field it makes is several unit lengths long at the rim
+// of the face, so that strength 1 outweighs a unit guidance field there.
+constexpr double target_flux = 4;
+// Weight per length of a stroke of weight 1, times sqrt(area) of the surface: the same on every mesh and in every unit.
+constexpr double stroke_scale = 40;
+
+void check_positive(const char* name, double value) {
+  if (!(value > 0) || !std::isfinite(value))
+    throw OptionError(name, std::to_string(value), "must be positive and finite");
+}
+
+ControlRow vertex_row(Index v, C target, double weight) {
+  ControlRow row{.target = target, .weight = weight};
+  row.vertex.fill(v);
+  row.coefficient[0] = 1;
+  return row;
+}
+
+}  // namespace
+
+void check_surface_point(const Mesh& mesh, const SurfacePoint& p, const char* name) {
+  if (p.face < 0 || p.face >= mesh.faces())
+    throw OptionError(name, std::to_string(p.face),
+                      "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+  const double sum = p.barycentric[0] + p.barycentric[1] + p.barycentric[2];
+  for (const double b : p.barycentric)
+    if (!(b >= -1e-9) || !(std::abs(sum - 1) <= 1e-6))
+      throw OptionError(name, std::to_string(b), "barycentric coordinates are not negative and sum to 1");
+}
+
+void check_target(const Mesh& mesh, const SingularityTarget& target) {
+  check_surface_point(mesh, {target.face, target.pin.value_or(std::array<double, 3>{1, 0, 0})}, "face");
+  if (target.sign != 1 && target.sign != -1)
+    throw OptionError("sign", std::to_string(target.sign), "a target has index +1/n or -1/n");
+  check_positive("strength", target.strength);
+  if (!std::isfinite(target.orientation))
+    throw OptionError("orientation", std::to_string(target.orientation), "must be finite");
+}
+
+ControlRow ControlLoads::point_row(const SurfacePoint& p) const {
+  const kernels::TriangleFrame<double> frame = triangle_frame(mesh, geometry, connection, p.face);
+  const double b[3] = {p.barycentric[0], p.barycentric[1], p.barycentric[2]};
+  const kernels::BasisAt<double> basis = kernels::basis_at(frame, b, double(n));
+  ControlRow row;
+  for (Index c = 0; c < 3; ++c) {
+    row.vertex[static_cast<std::size_t>(c)] = mesh.F()(p.face, c);
+    row.coefficient[static_cast<std::size_t>(c)] = {basis.value[c].re, basis.value[c].im};
+  }
+  return row;
+}
+
+double ControlLoads::stroke_weight(double weight) const {
+  check_positive("weight", weight);
+  return weight * stroke_scale / std::sqrt(geometry.total_area());
+}
+
+ControlLoad ControlLoads::operator()(const SingularityTarget& target) const {
+  check_target(mesh, target);
+  // Turning the pattern by beta turns (d, c) by (n-1) beta, s by (n+1) beta; a swirl angle (n = 1) is (d, c)'s own.
+  const double flux = target.strength * target_flux * 2 * pi<double> * std::sqrt(geometry.area(target.face));
+  ControlLoad out{
+      .face = target.face,
+      .density = std::polar(flux / geometry.area(target.face), target_turns(n, target.sign) * target.orientation)};
+  const ComplexVectorX<double>& coefficients = target.sign > 0 ? operators.p : operators.q;
+  for (Index c = 0; c < 3; ++c) out.coefficient[static_cast<std::size_t>(c)] = coefficients[3 * target.face + c];
+  if (target.pin) out.rows.push_back(point_row({target.face, *target.pin}));
+  return out;
+}
+
+ControlLoad ControlLoads::operator()(const VertexConstraint& constraint) const {
+  const Index v = constraint.vertex;
+  if (v < 0 || v >= mesh.vertices() || !mesh.referenced(v))
+    throw OptionError("vertex", std::to_string(v), "must be a vertex that a face uses");
+  if (!std::isfinite(constraint.value.real()) || !std::isfinite(constraint.value.imag()))
+    throw OptionError("value", "not finite", "must be a finite complex number");
+  if (constraint.direction_only && constraint.value == C(0)) throw OptionError("value", "0", "zero has no direction");
+  ControlRow row = vertex_row(v, constraint.value, 0);
+  row.direction_only = constraint.direction_only;
+  return {.rows = {row}};
+}
+
+ControlLoad ControlLoads::operator()(const Stroke& stroke) const {
+  if (!(stroke.radius >= 0) || !std::isfinite(stroke.radius))
+    throw OptionError("radius", std::to_string(stroke.radius), "must be finite and not negative");
+  if (stroke.line.segments.empty()) {
+    if (stroke.radius > 0) throw OptionError("radius", std::to_string(stroke.radius), "goes with a line");
+    return along_points(stroke);
+  }
+  if (!stroke.points.empty())
+    throw OptionError("points", std::to_string(stroke.points.size()) + " points", "a stroke has points or a line");
+  for (const SurfaceSegment& segment : stroke.line.segments) {
+    check_surface_point(mesh, {segment.face, segment.at(0.5)}, "line");
+    check_positive("line", segment.length);
+  }
+  return stroke.radius > 0 ? footprint(stroke) : along_line(stroke);
+}
+
+ControlLoad ControlLoads::along_line(const Stroke& stroke) const {
+  const double scale = stroke_weight(stroke.weight);
+  ControlLoad out;
+  for (const SurfaceSegment& segment : stroke.line.segments) {
+    ControlRow row = point_row({segment.face, segment.at(0.5)});
+    row.target = std::polar(1.0, n * std::arg(segment.tangent));
+    row.weight = scale * segment.length;
+    out.rows.push_back(row);
+  }
+  return out;
+}
+
+ControlLoad ControlLoads::along_points(const Stroke& stroke) const {
+  if (stroke.points.size() < 2)
+    throw OptionError("points", std::to_string(stroke.points.size()) + " points", "a stroke has at least two");
+  const double scale = stroke_weight(stroke.weight);
+  std::vector<Eigen::RowVector3d> at;
+  for (const SurfacePoint& p : stroke.points) {
+    check_surface_point(mesh, p, "points");
+    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+    for (Index c = 0; c < 3; ++c) x += p.barycentric[static_cast<std::size_t>(c)] * V.row(mesh.F()(p.face, c));
+    at.push_back(x);
+  }
+  ControlLoad out;
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    Eigen::RowVector3d tangent = Eigen::RowVector3d::Zero();
+    double length = 0;
+    const auto segment = [&](const Eigen::RowVector3d& s) {
+      length += s.norm() / 2;
+      if (s.norm() > 0) tangent += s.normalized();
+    };
+    if (k > 0) segment(at[k] - at[k - 1]);
+    if (k + 1 < at.size()) segment(at[k + 1] - at[k]);
+    const Index t = stroke.points[k].face;
+    const Eigen::RowVector3d a = V.row(mesh.F()(t, 0)), first = V.row(mesh.F()(t, 1)) - a;
+    const Eigen::RowVector3d normal = first.cross(V.row(mesh.F()(t, 2)) - a).normalized(), x = first.normalized();
+    const C direction(tangent.dot(x), tangent.dot(normal.cross(x)));
+    if (!(std::abs(direction) > 1e-9) || !(length > 0)) continue;  // repeated points, a cusp: no tangent to follow
+    ControlRow row = point_row(stroke.points[k]);
+    row.target = std::polar(1.0, n * std::arg(direction));
+    row.weight = scale * length;
+    out.rows.push_back(row);
+  }
+  if (out.rows.empty()) throw OptionError("points", "all at one place", "a stroke needs some length");
+  return out;
+}
+
+// Every vertex within the radius (along edges, from the nearest middle of a segment) is drawn to the stroke's direction
+// there, carried to it by the connection. Its share of the weight: its area times the hat, over the radius, so that the
+// sum is that of the line wherever the surface is flat and fine.
+ControlLoad ControlLoads::footprint(const Stroke& stroke) const {
+  struct Reach {
+    double distance;
+    Index vertex;
+    C direction;
+    bool operator>(const Reach& other) const {
+      return std::pair(distance, vertex) > std::pair(other.distance, other.vertex);
+    }
+  };
+  const double scale = stroke_weight(stroke.weight);
+  std::priority_queue<Reach, std::vector<Reach>, std::greater<>> open;
+  for (const SurfaceSegment& segment : stroke.line.segments) {
+    const std::array<double, 3> middle = segment.at(0.5);
+    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
+    for (Index c = 0; c < 3; ++c) x += middle[static_cast<std::size_t>(c)] * V.row(mesh.F()(segment.face, c));
+    for (Index c = 0; c < 3; ++c) {
+      std::array<double, 3> corner{};
+      corner[static_cast<std::size_t>(c)] = 1;
+      const C to_face = point_row({segment.face, corner}).coefficient[static_cast<std::size_t>(c)];
+      const Index v = mesh.F()(segment.face, c);
+      open.push({(V.row(v) - x).norm(), v, std::polar(1.0, n * std::arg(segment.tangent)) * std::conj(to_face)});
+    }
+  }
+  ControlLoad out;
+  std::vector<bool> reached(static_cast<std::size_t>(mesh.vertices()), false);
+  while (!open.empty()) {
+    const Reach at = open.top();
+    open.pop();
+    if (at.distance >= stroke.radius) break;
+    if (reached[static_cast<std::size_t>(at.vertex)]) continue;
+    reached[static_cast<std::size_t>(at.vertex)] = true;
+    double area = 0;
+    const auto step = [&](Index h, double sign) {
+      const double distance = at.distance + geometry.length(mesh.edge(h));
+      const Index other = sign > 0 ? mesh.tip(h) : mesh.tail(h);
+      open.push({distance, other, at.direction * std::polar(1.0, -sign * n * connection.rho_along(mesh, h))});
+    };
+    mesh.for_each_outgoing(at.vertex, [&](Index h) {
+      area += geometry.area(mesh.face(h)) / 3;
+      step(h, 1);
+      const Index before = mesh.prev(h);
+      if (mesh.twin(before) == none) step(before, -1);
+    });
+    const double hat = 1 - at.distance / stroke.radius;
+    out.rows.push_back(vertex_row(at.vertex, at.direction, scale * area * hat / stroke.radius));
+  }
+  if (out.rows.empty())
+    throw OptionError("radius", std::to_string(stroke.radius), "is too small: no vertex is that close to the stroke");
+  return out;
+}
+
+ControlLoad ControlLoads::operator()(const BoundaryAlignment& alignment) const {
+  const double scale = stroke_weight(alignment.weight);
+  std::vector<C> direction(static_cast<std::size_t>(mesh.vertices()), 0);
+  std::vector<double> length(static_cast<std::size_t>(mesh.vertices()), 0);
+  for (Index h = 0; h < 3 * mesh.faces(); ++h) {
+    if (mesh.twin(h) != none) continue;
+    const auto add = [&](Index v, double angle) {
+      const auto at = static_cast<std::size_t>(v);
+      const double half = geometry.length(mesh.edge(h)) / 2;
+      direction[at] += std::polar(half, n * (angle + (alignment.normal ? pi<double> / 2 : 0)));
+      length[at] += half;
+    };
+    add(mesh.tail(h), connection.rho_start(mesh, h));
+    add(mesh.tip(h), connection.rho_end(mesh, h));
+  }
+  ControlLoad out;
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    const auto at = static_cast<std::size_t>(v);
+    // Where the two sides ask for opposites, as crosses do at corners of 45 degrees, none is right.
+    if (!(std::abs(direction[at]) > 1e-6 * length[at])) continue;
+    out.rows.push_back(vertex_row(v, direction[at] / std::abs(direction[at]), scale * length[at]));
+  }
+  if (out.rows.empty()) throw OptionError("boundary", "none", "this mesh has no boundary to align with");
+  return out;
+}
+
+}  // namespace alcap::detail

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: MIT
+//
+// solve.cpp: a design's field by right-hand sides and low-rank rows, and how its controls were met.
+//
+// A row r_k u = t_k with compliance c_k (0: exact; 1/weight: soft, weight |r_k u - t_k|^2 in twice the energy) adds
+// multipliers mu: A u + R' mu = b, R u - C mu = t. With Y = A^-1 R': (R Y + C) mu = R A^-1 b - t, u = A^-1 b - Y mu.
+// Where the backend can, R Y comes from half solves, which are cheap for few rows close together, and A^-1 R' mu from
+// one solve more. Rows count twice, as real and imaginary part, so that rows which fix a direction only can stand among
+// them.
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "alcap/singularities.h"
+#include "src/design/variational/state.h"
+
+namespace alcap {
+namespace {
+
+using C = Complex<double>;
+using detail::ControlLoad;
+using detail::ControlRow;
+using detail::Prepared;
+
+// Exact rows get this compliance, relative to the others': rows that say the same twice stay solvable.
+constexpr double exact_compliance = 1e-12;
+// A target is met when its orientation is off by no more than this.
+constexpr double met_degrees = 0.5;
+// Strokes are met within this many degrees on average: drawn to, not tied to.
+constexpr double stroke_degrees = 10;
+
+}  // namespace
+
+void Designer::State::solve_rows(Prepared& p, DesignResult& result) const {
+  if (p.rows_solved()) return;
+  tell("rows");
+  const auto rows = static_cast<Eigen::Index>(p.load.rows.size());
+  std::vector<Eigen::Triplet<C, Index>> entries;
+  for (Eigen::Index k = 0; k < rows; ++k)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const ControlRow& row = p.load.rows[static_cast<std::size_t>(k)];
+      if (row.coefficient[c] != C(0))
+        entries.emplace_back(row.vertex[c], static_cast<Index>(k), std::conj(row.coefficient[c]));
+    }
+  SparseMatrix<C> B(mesh.vertices(), rows);
+  B.setFromTriplets(entries.begin(), entries.end());
+  if (auto half = solver->half_solve(B)) {
+    p.half = std::move(*half);
+    return;
+  }
+  MatrixX<C> X;
+  solve(MatrixX<C>(B), X, result);
+  p.columns = std::move(X);
+}
+
+MatrixX<C> Designer::State::response(const Prepared& a, const Prepared& b) {
+  if (b.half.values.cols() > 0) return a.half.product(b.half);
+  MatrixX<C> G(static_cast<Eigen::Index>(a.load.rows.size()), b.columns.cols());
+  for (Eigen::Index j = 0; j < G.cols(); ++j)
+    for (Eigen::Index i = 0; i < G.rows(); ++i) G(i, j) = a.load.rows[static_cast<std::size_t>(i)].at(b.columns.col(j));
+  return G;
+}
+
+ComplexVectorX<double> Designer::State::common_load() const {
+  ComplexVectorX<double> b = guidance;
+  for (const auto& [id, p] : prepared) {
+    if (p.load.face != none && p.live_since == 0) add_target(p.load, p.load.density, b);
+    if (!folded || !p.load.soft()) continue;
+    for (const ControlRow& row : p.load.rows)
+      for (std::size_t c = 0; c < 3; ++c) b[row.vertex[c]] += row.weight * std::conj(row.coefficient[c]) * row.target;
+  }
+  return b;
+}
+
+void Designer::State::solve_loads(DesignResult& result) {
+  ComplexVectorX<double> b = common_load();
+  std::vector<Prepared*> live, missing;
+  for (auto& [id, p] : prepared) {
+    if (p.live_since == 0) continue;
+    live.push_back(&p);
+    if (p.own.size() == 0) missing.push_back(&p);
+  }
+  const Eigen::Index first = common.cols() == 0 ? 1 : 0;
+  if (const auto count = first + static_cast<Eigen::Index>(missing.size()); count > 0) {
+    tell("solve");
+    MatrixX<C> B = MatrixX<C>::Zero(mesh.vertices(), count), X;
+    if (first > 0) B.col(0) = b;
+    for (std::size_t k = 0; k < missing.size(); ++k)
+      add_target(missing[k]->load, 1.0, B.col(first + static_cast<Eigen::Index>(k)));
+    solve(B, X, result);
+    if (first > 0) common = X.col(0);
+    for (std::size_t k = 0; k < missing.size(); ++k) missing[k]->own = X.col(first + static_cast<Eigen::Index>(k));
+  }
+  result.field.u = common.col(0);
+  for (const Prepared* p : live) {
+    result.field.u += p->load.density * p->own;
+    add_target(p->load, p->load.density, b);
+  }
+  if (!b.isZero(0)) result.residual = residual<C>(A, result.field.u, b);
+}
+
+void Designer::State::apply_rows(DesignResult& result) {
+  struct RealRow {
+    const ControlRow* row;
+    Eigen::Index number;  // of the row in its control
+    C factor;             // the functional is Re(factor row.at(u))
+    double target;
+  };
+  struct Group {
+    const Prepared* owner;
+    std::vector<RealRow> rows;
+    Eigen::Index first;
+  };
+  std::vector<Group> groups;
+  Eigen::Index count = 0;
+  for (auto& [id, p] : prepared) {
+    if (!is_update(p)) continue;
+    solve_rows(p, result);
+    Group group{&p, {}, count};
+    for (std::size_t k = 0; k < p.load.rows.size(); ++k) {
+      const ControlRow& row = p.load.rows[k];
+      const auto number = static_cast<Eigen::Index>(k);
+      if (row.direction_only) {
+        group.rows.push_back({&row, number, C(0, -1) * std::conj(row.target) / std::abs(row.target), 0});
+      } else {
+        group.rows.push_back({&row, number, 1, row.target.real()});
+        group.rows.push_back({&row, number, C(0, -1), row.target.imag()});
+      }
+    }
+    result.rows += static_cast<int>(p.load.rows.size());
+    count += static_cast<Eigen::Index>(group.rows.size());
+    groups.push_back(std::move(group));
+  }
+  if (count == 0) return;
+  MatrixX<double> G = MatrixX<double>::Zero(count, count);
+  VectorX<double> missing(count), compliance(count);
+  for (const Group& a : groups) {
+    for (const Group& b : groups) {
+      const MatrixX<C> complex = response(*a.owner, *b.owner);
+      for (std::size_t j = 0; j < b.rows.size(); ++j)
+        for (std::size_t i = 0; i < a.rows.size(); ++i)
+          G(a.first + static_cast<Eigen::Index>(i), b.first + static_cast<Eigen::Index>(j)) =
+              (a.rows[i].factor * complex(a.rows[i].number, b.rows[j].number) * std::conj(b.rows[j].factor)).real();
+    }
+    for (std::size_t i = 0; i < a.rows.size(); ++i) {
+      const RealRow& row = a.rows[i];
+      const Eigen::Index at = a.first + static_cast<Eigen::Index>(i);
+      missing[at] = (row.factor * row.row->at(result.field.u)).real() - row.target;
+      compliance[at] = row.row->weight > 0 ? 1 / row.row->weight : 0;
+    }
+  }
+  const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 0; i < count; ++i) G(i, i) += compliance[i] > 0 ? compliance[i] : exact;
+  const VectorX<double> mu = G.ldlt().solve(missing);
+  ComplexVectorX<double> push;  // R' mu of the controls without columns
+  for (const Group& group : groups) {
+    const auto& rows = group.owner->load.rows;
+    ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(static_cast<Eigen::Index>(rows.size()));
+    for (std::size_t i = 0; i < group.rows.size(); ++i)
+      sum[group.rows[i].number] += mu[group.first + static_cast<Eigen::Index>(i)] * std::conj(group.rows[i].factor);
+    if (group.owner->columns.cols() > 0) {
+      result.field.u.noalias() -= group.owner->columns * sum;
+      continue;
+    }
+    if (push.size() == 0) push = ComplexVectorX<double>::Zero(mesh.vertices());
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      for (std::size_t c = 0; c < 3; ++c)
+        push[rows[k].vertex[c]] += std::conj(rows[k].coefficient[c]) * sum[static_cast<Eigen::Index>(k)];
+  }
+  if (push.size() == 0) return;
+  MatrixX<C> X;
+  solve(push, X, result);
+  result.field.u -= X.col(0);
+}
+
+ControlReport Designer::State::judge(ControlId id, const Control& control, const Field<double>& field) const {
+  const ComplexVectorX<double>& u = field.u;
+  ControlReport report{.id = id};
+  const ControlLoad& load = prepared.at(id).load;
+  const double degrees = 180 / pi<double>;
+  if (const auto* target = std::get_if<SingularityTarget>(&control)) {
+    report.index = face_index(mesh, connection, field, target->face);
+    C value = 0;
+    for (Index c = 0; c < 3; ++c) value += load.coefficient[static_cast<std::size_t>(c)] * u[mesh.F()(target->face, c)];
+    const int turns = detail::target_turns(options.n, target->sign);
+    report.error_degrees = std::abs(wrap(std::arg(value) - turns * target->orientation)) / turns * degrees;
+    report.met = report.index == target->sign && report.error_degrees <= met_degrees;
+  } else if (const auto* constraint = std::get_if<VertexConstraint>(&control)) {
+    const C value = u[constraint->vertex];
+    const double size = std::abs(constraint->value) + u.cwiseAbs().maxCoeff();
+    report.error_degrees = std::abs(wrap(std::arg(value) - std::arg(constraint->value))) / options.n * degrees;
+    report.met = constraint->direction_only ? std::abs(value) > 1e-9 * size && report.error_degrees <= met_degrees
+                                            : std::abs(value - constraint->value) <= 1e-6 * size;
+  } else {
+    double sum = 0, weights = 0;
+    for (const ControlRow& row : load.rows) {
+      sum += row.weight * std::abs(wrap(std::arg(row.at(u)) - std::arg(row.target))) / options.n;
+      weights += row.weight;
+    }
+    report.error_degrees = sum / weights * degrees;
+    report.met = report.error_degrees <= stroke_degrees;
+  }
+  return report;
+}
+
+}  // namespace alcap

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: MIT
+//
+// state.h: what a Designer keeps between calls, and the steps of a solve. Internal to designer.
+//
+// designer.cpp: controls come and go. designer_system.cpp: the matrix, its factorisation and the guidance.
+// designer_solve.cpp: right-hand sides, low-rank rows, the verdict on every control.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "alcap/designer.h"
+#include "alcap/energies.h"
+#include "src/design/variational/rows.h"
+
+namespace alcap {
+namespace detail {
+
+/// A control made ready, and what has been solved for it.
+struct Prepared {
+  ControlLoad load = {};
+  HalfSolution<Complex<double>> half = {};  // of R', when the backend can; no columns until needed
+  MatrixX<Complex<double>> columns = {};    // else A^-1 R', one per row; empty until needed
+  ComplexVectorX<double> own = {};          // a live target's A^-1 of its load for density 1
+  std::int64_t live_since = 0;              // 0: part of the common solution
+
+  void forget_rows() {
+    half = {};
+    columns.resize(0, 0);
+  }
+  [[nodiscard]] bool rows_solved() const {
+    const auto rows = static_cast<Eigen::Index>(load.rows.size());
+    return half.values.cols() == rows || columns.cols() == rows;
+  }
+};
+
+}  // namespace detail
+
+struct Designer::State {
+  using C = Complex<double>;
+  using ControlLoad = detail::ControlLoad;
+  using ControlRow = detail::ControlRow;
+  using Prepared = detail::Prepared;
+
+  // Inverse iterations that tell a singular system.
+  static constexpr int probes = 4;
+
+  const Mesh& mesh;
+  const Geometry<double>& geometry;
+  const Connection<double>& connection;
+  DesignerOptions options;
+
+  HermitianPattern pattern;
+  SparseMatrix<C> S2, M;     // 2 S (of the energy family) with ones for unreferenced vertices; the mass
+  SparseMatrix<C> weighted;  // the mass with the vertices' weights; empty: M
+  SparseMatrix<C> A;         // what is factorised: 2 S + w M, and folded rows
+  FirstOrderOperators<double> operators;
+  std::shared_ptr<const Frames<double>> frames;
+  std::unique_ptr<LinearSolver<C>> solver;
+  detail::ControlLoads loads;
+
+  ComplexVectorX<double> u0;        // guidance; empty: none
+  ComplexVectorX<double> guidance;  // its right-hand side
+  std::map<ControlId, Control> controls;
+  std::map<ControlId, Prepared> prepared;
+  int next_id = 0;
+  std::int64_t clock = 0;
+  bool folded = false;        // strokes are in A
+  bool soft_changed = false;  // strokes have changed since A was made
+  bool stale = false;         // A is not what is factorised
+  MatrixX<C> common;          // A^-1 of everything but live targets; no columns: unknown
+
+  // The system: designer_system.cpp.
+  State(const Mesh& mesh_, const Positions<double>& V_, const Geometry<double>& geometry_,
+        const Connection<double>& connection_, const DesignerOptions& options_);
+  void tell(std::string_view phase) const {
+    if (options.progress) options.progress(phase);
+  }
+  void validate() const;
+  static void check_guidance_weight(double weight);
+  // Of the guidance weight and of 2 lambda_t: twice the lambda_min of a round sphere of this area.
+  [[nodiscard]] double unit() const { return 8 * pi<double> * options.n / geometry.total_area(); }
+  // What multiplies M in the matrix, and in the right-hand side.
+  [[nodiscard]] double mass_weight() const { return (options.t ? -*options.t : options.guidance_weight) * unit(); }
+  [[nodiscard]] double guidance_scale() const { return (options.t ? 1.0 : options.guidance_weight) * unit(); }
+  [[nodiscard]] const SparseMatrix<C>& mass() const { return weighted.rows() > 0 ? weighted : M; }
+  // Those the caller knows of and those of is_singular().
+  [[nodiscard]] int all_right_hand_sides() const {
+    const int known = options.right_hand_sides;
+    return known > 0 && mass_weight() == 0 ? known + probes : known;
+  }
+  // S2 still holds S.
+  void check_t() const;
+  // A = 2 S + w M, and the strokes where that is cheaper than an update.
+  void make_matrix(bool fold);
+  // Whatever was solved with the last matrix.
+  void forget();
+  void factorise();
+  // Inverse iteration finds the energy of the smoothest field well enough to tell nothing from something.
+  [[nodiscard]] bool is_singular() const;
+  // Weights change the values of A only.
+  template <class Change>
+  void reweight(Change&& change) {
+    const DesignerOptions options_before = options;
+    SparseMatrix<C> weighted_before = weighted;
+    change();
+    try {
+      make_matrix(folded);
+      factorise();
+    } catch (...) {
+      options = options_before;
+      weighted = std::move(weighted_before);
+      make_matrix(folded);
+      throw;
+    }
+    make_guidance();
+  }
+  void make_guidance();
+  // Whether strokes are cheaper inside the matrix, and the matrix as it should then be.
+  void choose_folding();
+  void solve(const MatrixX<C>& B, MatrixX<C>& X, DesignResult& result) const;
+  [[nodiscard]] static std::string shown(double value);
+
+  // A solve: designer_solve.cpp.
+  [[nodiscard]] bool is_update(const Prepared& p) const { return !p.load.rows.empty() && !(p.load.soft() && folded); }
+  void solve_rows(Prepared& p, DesignResult& result) const;
+  // R_a A^-1 R_b' of all rows of two controls.
+  [[nodiscard]] static MatrixX<C> response(const Prepared& a, const Prepared& b);
+  template <class Column>
+  void add_target(const ControlLoad& load, C density, Column&& b) const {
+    for (Index c = 0; c < 3; ++c)
+      b[mesh.F()(load.face, c)] += std::conj(load.coefficient[static_cast<std::size_t>(c)]) * density;
+  }
+  // Right-hand side of guidance, folded strokes and the targets that are not live.
+  [[nodiscard]] ComplexVectorX<double> common_load() const;
+  // The solution before the rows, from the common one and the live ones.
+  void solve_loads(DesignResult& result);
+  void apply_rows(DesignResult& result);
+  [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field<double>& field) const;
+
+  // Controls: designer.cpp.
+  // A control has come, gone or changed.
+  void touched(const ControlLoad& load);
+  void make_live(Prepared& p);
+};
+
+}  // namespace alcap

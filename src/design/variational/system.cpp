@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: MIT
+//
+// system.cpp: the matrix of a design, 2 S + w M and the strokes where that is cheaper than an update, its
+// factorisation, and the right-hand side of the guidance.
+#include <algorithm>
+#include <cmath>
+
+#include "src/base/parallel.h"
+#include "src/design/variational/state.h"
+
+namespace alcap {
+namespace {
+
+using C = Complex<double>;
+using detail::ControlRow;
+
+// A field whose energy is this small, relative to its size, in units of 1/area, is parallel.
+constexpr double parallel = 1e-6;
+// Columns solved for at once, and between two looks at whether to go on.
+constexpr Eigen::Index columns_at_once = 16;
+
+}  // namespace
+
+std::string Designer::State::shown(double value) {
+  std::string text = std::to_string(value);
+  while (text.back() == '0') text.pop_back();
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geometry<double>& geometry_,
+                       const Connection<double>& connection_, const DesignerOptions& options_)
+    : mesh(mesh_),
+      geometry(geometry_),
+      connection(connection_),
+      options(options_),
+      pattern(mesh_),
+      loads({mesh_, V_, geometry_, connection_, operators, options_.n}) {
+  validate();
+  tell("assembly");
+  StiffnessMass<double> matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
+  M.swap(matrices.M);  // sparse matrices copy when they are moved
+  S2.swap(matrices.S);
+  apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, S2);
+  check_t();
+  S2 *= C(2);
+  for (Index v = 0; v < mesh.vertices(); ++v)
+    if (!mesh.referenced(v)) S2.valuePtr()[pattern.diagonal(v)] = 1;  // stays zero
+  operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
+  frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, V_, geometry, connection));
+  guidance = ComplexVectorX<double>::Zero(mesh.vertices());
+  solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = all_right_hand_sides()});
+  solver->set_transport(M);
+  tell("analyse");
+  solver->analyse(S2);
+  make_matrix(false);
+  factorise();
+}
+
+void Designer::State::validate() const {
+  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+  check_guidance_weight(options.guidance_weight);
+  if (options.t && !std::isfinite(*options.t)) throw OptionError("t", std::to_string(*options.t), "must be finite");
+  if (options.t && options.guidance_weight > 0)
+    throw OptionError("t", shown(*options.t), "give either t or guidance_weight");
+  if (!(options.s >= -1 && options.s <= 1)) throw OptionError("s", std::to_string(options.s), "must be in [-1, 1]");
+  if (options.largest_rank < 0)
+    throw OptionError("largest_rank", std::to_string(options.largest_rank), "must not be negative");
+}
+
+void Designer::State::check_guidance_weight(double weight) {
+  if (!(weight >= 0) || !std::isfinite(weight))
+    throw OptionError("guidance_weight", std::to_string(weight), "must be finite and not negative");
+}
+
+void Designer::State::check_t() const {
+  if (!options.t || *options.t < 0) return;
+  // Only whether lambda_1 lies above matters: a few digits do. Vertices that no face uses get an eigenvalue far
+  // above.
+  SparseMatrix<C> S = S2, mass = M;
+  const double tiny = 1e-6 * M.coeffs().cwiseAbs().maxCoeff();
+  for (Index v = 0; v < mesh.vertices(); ++v)
+    if (!mesh.referenced(v)) {
+      S.valuePtr()[pattern.diagonal(v)] = 1;
+      mass.valuePtr()[pattern.diagonal(v)] = tiny;
+    }
+  const EigenResult smallest = smallest_eigenpair(S, mass, geometry.total_area(), {.tolerance = 1e-6});
+  const double limit = 2 * smallest.report.lambda / unit();
+  if (!(*options.t < limit * (1 - 1e-6)))
+    throw OptionError("t", shown(*options.t),
+                      "must be below lambda_1, which is " + shown(limit) + " here in the same units");
+}
+
+void Designer::State::make_matrix(bool fold) {
+  const double w = mass_weight();
+  const SparseMatrix<C>& m = mass();
+  if (A.rows() == 0) A = S2;
+  parallel_for(A.nonZeros(), [&](std::int64_t k) { A.valuePtr()[k] = S2.valuePtr()[k] + w * m.valuePtr()[k]; });
+  if (fold)
+    for (const auto& [id, p] : prepared) {
+      if (!p.load.soft()) continue;
+      for (const ControlRow& row : p.load.rows)
+        for (std::size_t i = 0; i < 3; ++i)
+          for (std::size_t j = 0; j < 3; ++j) {
+            const C value = row.weight * std::conj(row.coefficient[i]) * row.coefficient[j];
+            if (value != C(0)) A.coeffRef(row.vertex[i], row.vertex[j]) += value;
+          }
+    }
+  folded = fold;
+  soft_changed = false;
+  forget();
+}
+
+void Designer::State::forget() {
+  stale = true;
+  common.resize(0, 0);
+  for (auto& [id, p] : prepared) {
+    p.forget_rows();
+    p.own.resize(0);
+  }
+}
+
+void Designer::State::factorise() {
+  if (!stale) return;
+  tell("factorise");
+  const OptionError singular("guidance_weight", shown(options.guidance_weight),
+                             "the design's system is singular: this connection has parallel fields (flat or "
+                             "trivial), so targets alone do not determine one; give a guidance weight");
+  bool parallel_fields = false;
+  try {
+    solver->factorise(A);
+    // Iterative backends only find out here.
+    parallel_fields = mass_weight() == 0 && !folded && is_singular();
+  } catch (const SolveError&) {
+    if (mass_weight() == 0 && !folded) throw singular;
+    throw;
+  }
+  if (parallel_fields) throw singular;
+  stale = false;
+}
+
+bool Designer::State::is_singular() const {
+  MatrixX<C> x = MatrixX<C>::Ones(mesh.vertices(), 1), Mx(mesh.vertices(), 1);
+  double energy = 0;
+  for (int round = 0; round < probes; ++round) {
+    hermitian_product(M, x.data(), Mx.data());
+    const double size = x.col(0).dot(Mx.col(0)).real();
+    Mx /= std::sqrt(size);
+    (void)solver->solve(Mx, x);
+    energy = 1 / std::sqrt(std::max(0.0, x.col(0).dot(M * x.col(0)).real()));
+  }
+  return !(energy * geometry.total_area() > parallel);
+}
+
+void Designer::State::make_guidance() {
+  common.resize(0, 0);
+  if (u0.size() == 0) return;
+  hermitian_product(mass(), u0.data(), guidance.data());
+  guidance *= guidance_scale();
+}
+
+void Designer::State::choose_folding() {
+  if (!soft_changed) return;
+  std::size_t soft = 0;
+  for (const auto& [id, p] : prepared) soft += p.load.soft() ? p.load.rows.size() : 0;
+  const bool fold = soft > static_cast<std::size_t>(options.largest_rank);
+  if (fold || folded) make_matrix(fold);
+  soft_changed = false;
+}
+
+void Designer::State::solve(const MatrixX<C>& B, MatrixX<C>& X, DesignResult& result) const {
+  X.resize(B.rows(), B.cols());
+  for (Eigen::Index from = 0; from < B.cols(); from += columns_at_once) {
+    if (from > 0) tell("rows");
+    const Eigen::Index count = std::min(columns_at_once, B.cols() - from);
+    (void)solver->solve(B.middleCols(from, count), X.middleCols(from, count));
+    result.solves += static_cast<int>(count);
+  }
+}
+
+}  // namespace alcap

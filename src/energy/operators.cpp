@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: MIT
+//
+// operators.cpp: P and Q of every face from the kernels, and evaluation at points.
+#include "alcap/operators.h"
+
+#include <algorithm>
+#include <string>
+
+#include "src/base/parallel.h"
+#include "kernels/basis.h"
+#include "kernels/edge_operators.h"
+#include "src/connection/triangle_frame.h"
+
+namespace alcap {
+namespace {
+
+using kernels::Cplx;
+
+template <class T>
+Cplx<T> to_kernel(const Complex<T>& z) {
+  return {z.real(), z.imag()};
+}
+template <class T>
+Complex<T> from_kernel(const Cplx<T>& z) {
+  return {z.re, z.im};
+}
+// Without the checks for infinities of the standard product.
+template <class T>
+Complex<T> product(const Complex<T>& a, const Complex<T>& b) {
+  return from_kernel(to_kernel(a) * to_kernel(b));
+}
+
+void check_size(const char* name, std::int64_t size, std::int64_t expected, const char* rule) {
+  if (size != expected)
+    throw OptionError(name, std::to_string(size) + " entries", std::string(rule) + ", " + std::to_string(expected));
+}
+void check_vertices(const Mesh& mesh, std::int64_t size) {
+  check_size("u", size, mesh.vertices(), "needs one entry per vertex of the mesh");
+}
+void check_coefficients(const Mesh& mesh, std::int64_t size) {
+  check_size("coefficients", size, mesh.halfedges(), "needs three entries per face of the mesh");
+}
+
+template <class T>
+kernels::EdgeOperator<T> halfedge_operator(const Mesh& mesh, const Geometry<T>& geometry,
+                                           const Connection<T>& connection, T n, Index h) {
+  return kernels::edge_operator(geometry.length(mesh.edge(h)), connection.rho_start(mesh, h),
+                                connection.rho_end(mesh, h), connection.eps_along(mesh, h), geometry.direction(h), n);
+}
+
+template <class T>
+kernels::TriangleOperator<T> edge_based(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
+                                        T n, Index t) {
+  kernels::TriangleOperator<T> sum{};
+  for (Index c = 0; c < 3; ++c) {
+    const Index h = 3 * t + c, next = (c + 1) % 3;
+    kernels::EdgeOperator<T> e = halfedge_operator(mesh, geometry, connection, n, h);
+    if (connection.alpha.size()) {
+      // Values go from the edge to the face by edge_to_face = alpha - direction; the direction of dl stays.
+      const Cplx<T> turn = kernels::unit(-(n * connection.alpha[h]));
+      e = {turn * e.p_start, turn * e.p_end, turn * e.q_start, turn * e.q_end};
+    }
+    sum.p[c] = sum.p[c] + e.p_start;
+    sum.q[c] = sum.q[c] + e.q_start;
+    sum.p[next] = sum.p[next] + e.p_end;
+    sum.q[next] = sum.q[next] + e.q_end;
+  }
+  return sum;
+}
+
+template <class T>
+ComplexVectorX<T> per_face(const Mesh& mesh, const ComplexVectorX<T>& a, const ComplexVectorX<T>& u) {
+  ComplexVectorX<T> out(mesh.faces());
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    Complex<T> sum = 0;
+    for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) sum += product(a[h], u[mesh.tail(h)]);
+    out[t] = sum;
+  });
+  return out;
+}
+
+}  // namespace
+
+template <class T>
+FirstOrderOperators<T> first_order_operators(const Mesh& mesh, const Geometry<T>& geometry,
+                                             const Connection<T>& connection, const OperatorOptions& options) {
+  FirstOrderOperators<T> out{options, ComplexVectorX<T>(mesh.halfedges()), ComplexVectorX<T>(mesh.halfedges())};
+  const T n = static_cast<T>(options.n);
+  parallel_for(
+      mesh.faces(),
+      [&](std::int64_t i) {
+        const Index t = static_cast<Index>(i);
+        const kernels::TriangleOperator<T> op =
+            options.kind == OperatorKind::edge
+                ? edge_based(mesh, geometry, connection, n, t)
+                : kernels::triangle_operator(detail::triangle_frame(mesh, geometry, connection, t), geometry.area(t),
+                                             n);
+        for (Index c = 0; c < 3; ++c) {
+          out.p[3 * t + c] = from_kernel(op.p[c]);
+          out.q[3 * t + c] = from_kernel(op.q[c]);
+        }
+      },
+      256);  // a face costs about a microsecond
+  return out;
+}
+
+template <class T>
+ComplexVectorX<T> apply(const Mesh& mesh, const ComplexVectorX<T>& coefficients, const ComplexVectorX<T>& u) {
+  check_coefficients(mesh, coefficients.size());
+  check_vertices(mesh, u.size());
+  return per_face(mesh, coefficients, u);
+}
+
+template <class T>
+ComplexVectorX<T> apply_adjoint(const Mesh& mesh, const ComplexVectorX<T>& coefficients,
+                                const ComplexVectorX<T>& faces) {
+  check_coefficients(mesh, coefficients.size());
+  check_size("faces", faces.size(), mesh.faces(), "needs one entry per face of the mesh");
+  ComplexVectorX<T> out(mesh.vertices());
+  parallel_for(mesh.vertices(), [&](std::int64_t v) {
+    Complex<T> sum = 0;
+    mesh.for_each_outgoing(static_cast<Index>(v),
+                           [&](Index h) { sum += product(std::conj(coefficients[h]), faces[Mesh::face(h)]); });
+    out[v] = sum;
+  });
+  return out;
+}
+
+template <class T>
+FaceVertexMatrix<T> face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<T>& coefficients) {
+  check_coefficients(mesh, coefficients.size());
+  FaceVertexMatrix<T> A(mesh.faces(), mesh.vertices());
+  A.resizeNonZeros(mesh.halfedges());
+  parallel_for(std::int64_t{mesh.faces()} + 1,
+               [&](std::int64_t t) { A.outerIndexPtr()[t] = static_cast<Index>(3 * t); });
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    std::array<Index, 3> order;
+    for (Index c = 0; c < 3; ++c) order[static_cast<std::size_t>(c)] = static_cast<Index>(3 * t + c);
+    std::sort(order.begin(), order.end(), [&](Index a, Index b) { return mesh.tail(a) < mesh.tail(b); });
+    std::int64_t slot = 3 * t;
+    for (const Index h : order) {
+      A.innerIndexPtr()[slot] = mesh.tail(h);
+      A.valuePtr()[slot++] = coefficients[h];
+    }
+  });
+  return A;
+}
+
+template <class T>
+OperatorEnergies operator_energies(const Mesh& mesh, const Geometry<T>& geometry,
+                                   const FirstOrderOperators<T>& operators, const ComplexVectorX<T>& u) {
+  const auto half_squares = [&](const ComplexVectorX<T>& coefficients) {
+    const ComplexVectorX<T> f = apply(mesh, coefficients, u);
+    return 0.5 * parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
+             return static_cast<double>(std::norm(f[t]) / geometry.area(static_cast<Index>(t)));
+           });
+  };
+  return {half_squares(operators.p), half_squares(operators.q)};
+}
+
+template <class T>
+Complex<T> flux_and_circulation(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
+                                const ComplexVectorX<T>& u, Index h) {
+  check_vertices(mesh, u.size());
+  const kernels::EdgeOperator<T> e = halfedge_operator(mesh, geometry, connection, T(1), h);
+  return product(from_kernel(e.p_start), u[mesh.tail(h)]) + product(from_kernel(e.p_end), u[mesh.tip(h)]);
+}
+
+template <class T>
+FaceField<T> face_field(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection, int n,
+                        const ComplexVectorX<T>& u, Index t) {
+  check_vertices(mesh, u.size());
+  if (t < 0 || t >= mesh.faces())
+    throw OptionError("t", std::to_string(t), "must be a face, 0 to " + std::to_string(mesh.faces() - 1));
+  const kernels::TriangleFrame<T> f = detail::triangle_frame(mesh, geometry, connection, t);
+  FaceField<T> out;
+  out.n = static_cast<T>(n);
+  for (std::size_t c = 0; c < 3; ++c) {
+    out.rho[c] = f.rho[c];
+    out.tau[c] = f.tau[c];
+    out.grad[c] = from_kernel(f.grad[c]);
+    out.u[c] = u[mesh.F()(t, static_cast<Eigen::Index>(c))];
+  }
+  return out;
+}
+
+template <class T>
+FieldValue<T> FaceField<T>::at(const std::array<T, 3>& barycentric) const {
+  kernels::TriangleFrame<T> f;
+  Cplx<T> corner[3];
+  T b[3];
+  for (std::size_t c = 0; c < 3; ++c) {
+    f.rho[c] = rho[c];
+    f.tau[c] = tau[c];
+    f.grad[c] = to_kernel(grad[c]);
+    corner[c] = to_kernel(u[c]);
+    b[c] = barycentric[c];
+  }
+  const kernels::FieldAt<T> x = kernels::field_at(f, corner, b, n);
+  return {from_kernel(x.value), from_kernel(x.d1), from_kernel(x.d2)};
+}
+
+#define ALCAP_INSTANTIATE(T)                                                                                   \
+  template FirstOrderOperators<T> first_order_operators(const Mesh&, const Geometry<T>&, const Connection<T>&, \
+                                                        const OperatorOptions&);                               \
+  template ComplexVectorX<T> apply(const Mesh&, const ComplexVectorX<T>&, const ComplexVectorX<T>&);           \
+  template ComplexVectorX<T> apply_adjoint(const Mesh&, const ComplexVectorX<T>&, const ComplexVectorX<T>&);   \
+  template FaceVertexMatrix<T> face_vertex_matrix(const Mesh&, const ComplexVectorX<T>&);                      \
+  template OperatorEnergies operator_energies(const Mesh&, const Geometry<T>&, const FirstOrderOperators<T>&,  \
+                                              const ComplexVectorX<T>&);                                       \
+  template Complex<T> flux_and_circulation(const Mesh&, const Geometry<T>&, const Connection<T>&,              \
+                                           const ComplexVectorX<T>&, Index);                                   \
+  template FaceField<T> face_field(const Mesh&, const Geometry<T>&, const Connection<T>&, int,                 \
+                                   const ComplexVectorX<T>&, Index);                                           \
+  template struct FaceField<T>;
+ALCAP_INSTANTIATE(float)
+ALCAP_INSTANTIATE(double)
+#undef ALCAP_INSTANTIATE
+
+}  // namespace alcap

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+#include "alcap/alignment.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <string>
+
+#include "src/base/parallel.h"
+
+namespace alcap {
+namespace {
+
+using C = Complex<double>;
+using Row = Eigen::RowVector3d;
+
+Row normal_of(const Mesh& mesh, const Positions<double>& V, Index t) {
+  const Row a = V.row(mesh.F()(t, 0));
+  return (V.row(mesh.F()(t, 1)) - a).cross(V.row(mesh.F()(t, 2)) - a).normalized();
+}
+
+// Angle between the normals on both sides of h, positive on convex edges.
+double dihedral(const Mesh& mesh, const Positions<double>& V, Index h) {
+  const Row m = normal_of(mesh, V, Mesh::face(h)), n = normal_of(mesh, V, Mesh::face(mesh.twin(h)));
+  const Row along = (V.row(mesh.tip(h)) - V.row(mesh.tail(h))).normalized();
+  return std::atan2(m.cross(n).dot(along), m.dot(n));
+}
+
+double third_of_faces(const Mesh& mesh, const Geometry<double>& geometry, Index v) {
+  double area = 0;
+  mesh.for_each_outgoing(v, [&](Index h) { area += geometry.area(Mesh::face(h)) / 3; });
+  return area;
+}
+
+}  // namespace
+
+Field<double> curvature_field(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+                              const Connection<double>& connection, std::shared_ptr<const Frames<double>> frames,
+                              const CurvatureOptions& options) {
+  if (options.n < 2 || options.n % 2 != 0)
+    throw OptionError("n", std::to_string(options.n), "principal directions are lines: n must be even");
+  if (options.rings < 0) throw OptionError("rings", std::to_string(options.rings), "must not be negative");
+  const Index count = mesh.vertices();
+  VectorX<double> bending(mesh.edges()), area(count);
+  parallel_for(mesh.edges(), [&](std::int64_t e) {
+    const Index h = mesh.halfedge(static_cast<Index>(e));
+    bending[e] = mesh.boundary_halfedge(h) ? 0.0 : dihedral(mesh, V, h) * geometry.length(static_cast<Index>(e));
+  });
+  // The tensor of an edge is bending (x x') for x across it; half of it belongs to each end, and half of its square
+  // x^2 is what is left without the trace. Its integral over a vertex's share is divided by that share.
+  ComplexVectorX<double> q(count);
+  parallel_for(count, [&](std::int64_t i) {
+    const auto v = static_cast<Index>(i);
+    area[v] = third_of_faces(mesh, geometry, v);
+    C sum = 0;
+    const auto add = [&](Index e, double angle) { sum -= bending[e] / 4 * std::polar(1.0, 2 * angle); };
+    mesh.for_each_outgoing(v, [&](Index h) { add(mesh.edge(h), connection.rho_start(mesh, h)); });
+    q[v] = area[v] > 0 ? sum / area[v] : C(0);
+  });
+  const auto transported = [&](Index h, double sign) {
+    return std::polar(1.0, sign * 2 * connection.rho_along(mesh, h));
+  };
+  for (int ring = 0; ring < options.rings; ++ring) {
+    const ComplexVectorX<double> before = q;
+    parallel_for(count, [&](std::int64_t i) {
+      const auto v = static_cast<Index>(i);
+      C sum = area[v] * before[v];
+      double weight = area[v];
+      const auto add = [&](Index other, C phase) {
+        sum += area[other] * phase * before[other];
+        weight += area[other];
+      };
+      mesh.for_each_outgoing(v, [&](Index h) {
+        add(mesh.tip(h), transported(h, 1));
+        const Index back = Mesh::prev(h);
+        if (mesh.boundary_halfedge(back)) add(mesh.tail(back), transported(back, -1));
+      });
+      q[v] = weight > 0 ? sum / weight : C(0);
+    });
+  }
+  Field<double> field{.n = options.n, .u = ComplexVectorX<double>(count), .frames = std::move(frames)};
+  const int turns = options.n / 2;
+  const double offset = options.smallest ? turns * pi<double> : 0.0;
+  for (Index v = 0; v < count; ++v) field.u[v] = std::polar(std::abs(q[v]), turns * std::arg(q[v]) + offset);
+  return field;
+}
+
+double root_mean_square(const Mesh& mesh, const Geometry<double>& geometry, const ComplexVectorX<double>& u) {
+  double sum = 0;
+  for (Index t = 0; t < mesh.faces(); ++t)
+    for (Index c = 0; c < 3; ++c) sum += geometry.area(t) / 3 * std::norm(u[mesh.F()(t, c)]);
+  return std::sqrt(sum / geometry.total_area());
+}
+
+}  // namespace alcap

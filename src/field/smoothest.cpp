@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+#include "alcap/smoothest.h"
+
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "alcap/energies.h"
+#include "src/base/parallel.h"
+#include "src/field/component_blocks.h"
+
+namespace alcap {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
+SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
+                                const Connection<double>& connection, std::shared_ptr<const Frames<double>> frames,
+                                const SmoothestOptions& options) {
+  return smoothest_field(mesh, geometry, connection, find_topology(mesh), std::move(frames), options);
+}
+
+SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
+                                const Connection<double>& connection, const Topology& topology,
+                                std::shared_ptr<const Frames<double>> frames, const SmoothestOptions& options) {
+  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+
+  const auto start = std::chrono::steady_clock::now();
+  SmoothestResult result;
+  result.field.n = options.n;
+  result.field.frames = std::move(frames);
+  // Made in place: Eigen's sparse matrices copy when they are moved.
+  const StiffnessMass<double> matrices = [&] {
+    const HermitianPattern pattern(mesh);
+    StiffnessMass<double> m = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
+    apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, m.S);
+    return m;
+  }();
+  result.assembly_seconds = seconds_since(start);
+
+  const auto solve_start = std::chrono::steady_clock::now();
+  const std::vector<double> areas = detail::areas_of_components(geometry, topology);
+  if (topology.components.size() == 1 && mesh.referenced_vertices() == mesh.vertices()) {
+    EigenResult eigen = smallest_eigenpair(matrices.S, matrices.M, areas[0], options.eigen);
+    result.field.u = std::move(eigen.u);
+    result.components.push_back(std::move(eigen.report));
+  } else {
+    // Pieces are independent: each is its own problem, several small ones run side by side.
+    result.field.u = ComplexVectorX<double>::Zero(mesh.vertices());
+    result.components.resize(topology.components.size());
+    const std::vector<std::vector<Index>> vertices = detail::vertices_of_components(topology);
+    std::vector<Index> local(static_cast<std::size_t>(mesh.vertices()), none);
+    for (const std::vector<Index>& piece : vertices)
+      for (std::size_t k = 0; k < piece.size(); ++k) local[static_cast<std::size_t>(piece[k])] = static_cast<Index>(k);
+    parallel_for(
+        static_cast<std::int64_t>(vertices.size()),
+        [&](std::int64_t i) {
+          const auto c = static_cast<std::size_t>(i);
+          EigenResult eigen =
+              smallest_eigenpair(diagonal_block(matrices.S, vertices[c], local),
+                                 diagonal_block(matrices.M, vertices[c], local), areas[c], options.eigen);
+          for (std::size_t k = 0; k < vertices[c].size(); ++k)
+            result.field.u[vertices[c][k]] = eigen.u[static_cast<Eigen::Index>(k)];
+          result.components[c] = std::move(eigen.report);
+        },
+        1);
+  }
+  result.eigen_seconds = seconds_since(solve_start);
+  return result;
+}
+
+}  // namespace alcap

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+//
+// ply.cpp: the mesh with the field at its vertices, binary little endian, everything in double: what read_ply.cpp reads
+// back bit for bit. Programs that know only meshes see a mesh with normals.
+#include "alcap/version.h"
+#include "src/io/field/format.h"
+#include "src/io/field/rows.h"
+#include "src/field/branches.h"
+
+namespace alcap::detail {
+namespace {
+
+std::string header(const FieldOutput& out) {
+  std::string text = "ply\nformat binary_little_endian 1.0\n";
+  text += std::string("comment n-vector field, written by alcap ") + version() + "\n";
+  text += "comment u = u_re + i u_im is the n-th power of any of the n branches, in the frame of its vertex\n";
+  text += "comment frame: axis (unit tangent) and nx ny nz (unit normal); the component r exp(i a) is the vector\n";
+  text += "comment r (cos(a) axis + sin(a) normal x axis); d_x d_y d_z is branch 0, argument arg(u) / n\n";
+  text += "comment all of it is zero at vertices that no face uses\n";
+  text += "obj_info alcap_field 1\n";
+  text += "obj_info n " + std::to_string(out.field.n) + "\n";
+  text += "obj_info connection " + std::string(connection_name(out.connection.kind)) + "\n";
+  text += "element vertex " + std::to_string(out.mesh.vertices()) + "\n";
+  for (const char* name :
+       {"x", "y", "z", "nx", "ny", "nz", "axis_x", "axis_y", "axis_z", "u_re", "u_im", "d_x", "d_y", "d_z"}) {
+    text += std::string("property double ") + name + "\n";
+  }
+  text += "element face " + std::to_string(out.mesh.faces()) + "\n";
+  text += "property list uchar int vertex_indices\nend_header\n";
+  return text;
+}
+
+WrittenFiles write(const FieldJob& job, const Target& target) {
+  const FieldOutput& out = job.out;
+  const Branches<double> branches(out.field.n);
+  WrittenFiles files = open_files({target.file});
+  AtomicFile& file = *files[0];
+  file.write(header(out));
+  write_table(file, out.mesh.vertices(), 14 * sizeof(double), [&](std::int64_t i, char* to) {
+    const auto v = static_cast<Index>(i);
+    const Eigen::RowVector3d d = branches.at(out.field, v).vector(0);
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.V(v, c));
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->N(v, c));
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->X(v, c));
+    to = put_binary(to, out.field.u[v].real());
+    to = put_binary(to, out.field.u[v].imag());
+    for (int c = 0; c < 3; ++c) to = put_binary(to, d[c]);
+    return to;
+  });
+  write_table(file, out.mesh.faces(), 1 + 3 * sizeof(std::int32_t), [&](std::int64_t t, char* to) {
+    to = put_binary(to, std::uint8_t{3});
+    for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{out.mesh.F()(t, c)});
+    return to;
+  });
+  return files;
+}
+
+}  // namespace
+
+const OutputFormat ply_field_format = {"ply", false, write};
+
+}  // namespace alcap::detail

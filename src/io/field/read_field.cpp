@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: MIT
+//
+// read_field.cpp: reads back what ply.cpp wrote. The mesh comes through the reader of meshes, with its checks; the
+// field from the properties of the same vertices, and n and the connection from the obj_info lines of the header.
+#include <array>
+#include <charconv>
+#include <cmath>
+
+#include "alcap/mesh_io.h"
+#include "src/base/parallel.h"
+#include "src/base/bytes.h"
+#include "src/io/mesh/mapped_file.h"
+#include "src/io/mesh/ply_header.h"
+#include "src/io/field/format.h"
+
+namespace alcap {
+namespace detail {
+namespace {
+
+// The rest of the header line "obj_info KEY ...".
+std::string_view info(const Source& source, std::string_view header, std::string_view key) {
+  const std::string start = "\nobj_info " + std::string(key) + " ";
+  const std::size_t at = header.find(start);
+  if (at == std::string_view::npos) {
+    fail(source, "the header has no line 'obj_info " + std::string(key) +
+                     "'; only a .ply that write_field wrote holds a field, and other programs drop it on saving");
+  }
+  const std::string_view rest = header.substr(at + start.size());
+  return rest.substr(0, rest.find_first_of("\r\n"));
+}
+
+int read_number(const Source& source, std::string_view text, std::string_view key) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 1) {
+    fail_at(source, text.data(),
+            "obj_info " + std::string(key) + " must be a whole number from 1 on, not " + quoted(text));
+  }
+  return value;
+}
+
+ConnectionKind read_connection(const Source& source, std::string_view text) {
+  for (const auto kind :
+       {ConnectionKind::polar, ConnectionKind::local, ConnectionKind::global, ConnectionKind::trivial}) {
+    if (text == connection_name(kind)) return kind;
+  }
+  fail_at(source, text.data(), "obj_info connection is " + quoted(text) + ", not polar, local, global or trivial");
+}
+
+// Where the doubles of one vertex are.
+struct Columns {
+  std::size_t stride = 0;
+  std::array<std::size_t, 8> at{};  // of the names below, in bytes
+};
+constexpr std::array<const char*, 8> names = {"u_re", "u_im", "axis_x", "axis_y", "axis_z", "nx", "ny", "nz"};
+
+Columns find_columns(const Source& source, const PlyElement& vertex) {
+  Columns columns;
+  std::vector<std::size_t> start;
+  for (const PlyProperty& p : vertex.properties) {
+    if (p.is_list)
+      fail(source, "property " + quoted(p.name) + " of the vertices is a list; fields are written without");
+    start.push_back(columns.stride);
+    columns.stride += size_of(p.type);
+  }
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const int found = vertex.find(names[i], names[i]);
+    if (found < 0 || vertex.properties[static_cast<std::size_t>(found)].type != PlyType::float64) {
+      fail(source, std::string("the vertices have no property double ") + names[i] +
+                       "; only a .ply that write_field wrote holds a field");
+    }
+    columns.at[i] = start[static_cast<std::size_t>(found)];
+  }
+  return columns;
+}
+
+FieldFile read(const Source& source, const std::filesystem::path& file) {
+  const PlyHeader header = read_ply_header(source);
+  const std::string_view text(source.begin(), static_cast<std::size_t>(header.body - source.begin()));
+  FieldFile out;
+  if (const int version = read_number(source, info(source, text, "alcap_field"), "alcap_field"); version != 1) {
+    fail(source, "a field file of version " + std::to_string(version) + "; this program reads version 1");
+  }
+  out.field.n = read_number(source, info(source, text, "n"), "n");
+  out.connection = read_connection(source, info(source, text, "connection"));
+  if (header.encoding != PlyEncoding::little_endian || header.elements.empty() || header.elements[0].name != "vertex") {
+    fail(source, "not laid out as write_field does: binary little endian, vertices first");
+  }
+  const Columns columns = find_columns(source, header.elements[0]);
+
+  MeshFile mesh = read_mesh(file, {.format = "ply"});  // also finds a file that was cut
+  out.V = std::move(mesh.V);
+  out.F = std::move(mesh.F);
+
+  const std::int64_t vertices = out.V.rows();
+  Frames<double> frames{Positions<double>(vertices, 3), Positions<double>(vertices, 3)};
+  out.field.u.resize(vertices);
+  parallel_for(vertices, [&](std::int64_t v) {
+    const char* const row = header.body + static_cast<std::size_t>(v) * columns.stride;
+    const auto value = [&](std::size_t i) { return load<double, std::endian::little>(row + columns.at[i]); };
+    out.field.u[v] = {value(0), value(1)};
+    for (int c = 0; c < 3; ++c) {
+      frames.X(v, c) = value(static_cast<std::size_t>(2 + c));
+      frames.N(v, c) = value(static_cast<std::size_t>(5 + c));
+    }
+  });
+  for (std::int64_t v = 0; v < vertices; ++v) {
+    const bool finite = std::isfinite(out.field.u[v].real()) && std::isfinite(out.field.u[v].imag()) &&
+                        frames.X.row(v).allFinite() && frames.N.row(v).allFinite();
+    if (!finite) fail(source, "the field or the frame at vertex " + std::to_string(v) + " is not finite");
+  }
+  out.field.frames = std::make_shared<const Frames<double>>(std::move(frames));
+  return out;
+}
+
+}  // namespace
+}  // namespace detail
+
+FieldFile read_field(const std::filesystem::path& file) {
+  const detail::MappedFile mapped(file);
+  return detail::read({file.string(), mapped.bytes()}, file);
+}
+
+}  // namespace alcap

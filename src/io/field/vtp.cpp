@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: MIT
+//
+// vtp.cpp: VTK's XML PolyData with raw appended data: the surface with the field, and beside it the singularities as
+// points. Field data "n" holds the number of branches.
+#include "src/io/field/format.h"
+#include "src/io/field/polydata.h"
+#include "src/field/branches.h"
+
+namespace alcap::detail {
+namespace {
+
+using namespace polydata;
+
+Array scalars(std::string name, std::int64_t rows, const double* values) {
+  return array<double, 1>(std::move(name), rows, [values](std::int64_t i, double* x) { x[0] = values[i]; });
+}
+
+Array vectors(std::string name, const Positions<double>& rows) {
+  return array<double, 3>(std::move(name), rows.rows(),
+                          [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
+}
+
+void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<std::int32_t>& index) {
+  const Field<double>& field = out.field;
+  const Branches<double> branches(field.n);
+  const std::int64_t vertices = out.mesh.vertices(), faces = out.mesh.faces();
+
+  const Section points{"Points", "", {vectors("Points", out.V)}};
+  const Section polys{
+      "Polys",
+      "",
+      {array<std::int32_t, 1>("connectivity", 3 * faces,
+                              [&](std::int64_t h, std::int32_t* x) { x[0] = out.mesh.tail(static_cast<Index>(h)); }),
+       array<std::int32_t, 1>("offsets", faces,
+                              [](std::int64_t t, std::int32_t* x) { x[0] = static_cast<std::int32_t>(3 * (t + 1)); })}};
+
+  Section at_points{"PointData", " Scalars=\"magnitude\" Vectors=\"d_0\" Normals=\"normal\"", {}};
+  for (int k = 0; k < field.n; ++k) {
+    at_points.arrays.push_back(
+        array<double, 3>("d_" + std::to_string(k), vertices, [&branches, &field, k](std::int64_t v, double* x) {
+          put_vector(x, branches.at(field, static_cast<Index>(v)).vector(k));
+        }));
+  }
+  at_points.arrays.push_back(
+      array<double, 1>("magnitude", vertices, [&](std::int64_t v, double* x) { x[0] = std::abs(field.u[v]); }));
+  at_points.arrays.push_back(array<double, 2>("u", vertices, [&](std::int64_t v, double* x) {
+    x[0] = field.u[v].real();
+    x[1] = field.u[v].imag();
+  }));
+  at_points.arrays.push_back(vectors("axis", field.frames->X));
+  at_points.arrays.push_back(vectors("normal", field.frames->N));
+
+  Section in_faces{"CellData", "", {}};
+  in_faces.arrays.push_back(scalars("K", faces, out.connection.K.data()));
+  in_faces.arrays.push_back(array<std::int32_t, 1>(
+      "index", faces, [&](std::int64_t t, std::int32_t* x) { x[0] = index[static_cast<std::size_t>(t)]; }));
+  for (const FaceScalars& s : out.face_scalars) in_faces.arrays.push_back(scalars(s.name, faces, s.values.data()));
+
+  write_polydata(file, field.n,
+                 "NumberOfPoints=\"" + std::to_string(vertices) +
+                     "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
+                     std::to_string(faces) + "\"",
+                 {at_points, in_faces, points, polys});
+}
+
+void write_singularities(AtomicFile& file, const FieldOutput& out) {
+  const auto at = [&](std::int64_t i) -> const Singularity& { return out.singularities[static_cast<std::size_t>(i)]; };
+  const auto count = static_cast<std::int64_t>(out.singularities.size());
+  const auto counting = [&](std::string name, std::int32_t from) {
+    return array<std::int32_t, 1>(std::move(name), count, [from](std::int64_t i, std::int32_t* x) {
+      x[0] = from + static_cast<std::int32_t>(i);
+    });
+  };
+
+  const Section points{"Points", "", {array<double, 3>("Points", count, [&](std::int64_t i, double* x) {
+                         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+                         for (int c = 0; c < 3; ++c) {
+                           sum +=
+                               at(i).barycentric[static_cast<std::size_t>(c)] * out.V.row(out.mesh.F()(at(i).face, c));
+                         }
+                         put_vector(x, sum);
+                       })}};
+  const Section verts{"Verts", "", {counting("connectivity", 0), counting("offsets", 1)}};
+  const Section data{
+      "PointData",
+      " Scalars=\"index\"",
+      {array<std::int32_t, 1>("index", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).index; }),
+       array<double, 1>("orientation", count, [&](std::int64_t i, double* x) { x[0] = at(i).orientation; }),
+       array<std::int32_t, 1>("face", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).face; }),
+       array<double, 3>("barycentric", count,
+                        [&](std::int64_t i, double* x) { put_vector(x, at(i).barycentric.data()); }),
+       array<std::uint8_t, 1>("located", count,
+                              [&](std::int64_t i, std::uint8_t* x) { x[0] = at(i).located ? 1 : 0; })}};
+
+  const std::string number = std::to_string(count);
+  write_polydata(file, out.field.n,
+                 "NumberOfPoints=\"" + number + "\" NumberOfVerts=\"" + number +
+                     "\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\"",
+                 {data, points, verts});
+}
+
+WrittenFiles write(const FieldJob& job, const Target& target) {
+  std::vector<std::int32_t> index(static_cast<std::size_t>(job.out.mesh.faces()), 0);
+  for (const Singularity& s : job.out.singularities) index[static_cast<std::size_t>(s.face)] = s.index;
+
+  WrittenFiles files = open_files({target.file, target.beside("_singularities.vtp")});
+  write_surface(*files[0], job.out, index);
+  write_singularities(*files[1], job.out);
+  return files;
+}
+
+}  // namespace
+
+const OutputFormat vtp_format = {"vtp", false, write};
+
+}  // namespace alcap::detail

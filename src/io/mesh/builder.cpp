@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+//
+// builder.cpp: from vertices and faces in file order to a MeshFile.
+#include "src/io/mesh/builder.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "src/io/mesh/triangulate.h"
+
+namespace alcap::detail {
+namespace {
+
+constexpr std::int64_t most = std::numeric_limits<Index>::max();
+constexpr std::int64_t first_rows = 1024;  // doubled whenever they run out
+
+std::string counted(const char* what, std::int64_t number) {
+  return std::string(what) + " " + std::to_string(number) + " (counted from 0)";
+}
+
+}  // namespace
+
+std::string Builder::next_vertex() const { return counted("vertex", vertices_); }
+std::string Builder::next_face() const { return counted("face", faces_); }
+
+void Builder::grow_vertices() {
+  if (vertices_ >= most) fail(source_, "more than 2147483647 vertices");
+  V_.conservativeResize(std::max(first_rows, 2 * vertices_), 3);
+}
+
+void Builder::grow_faces() {
+  if (faces_ >= most) fail(source_, "more than 2147483647 faces");
+  F_.conservativeResize(std::max(first_rows, 2 * faces_), 3);
+}
+
+void Builder::ignore(std::string_view kind, std::int64_t count) {
+  const auto known = std::ranges::find(ignored_, kind, &MeshFile::Ignored::kind);
+  if (known != ignored_.end()) {
+    known->count += count;
+  } else {
+    ignored_.push_back({std::string(kind), count});
+  }
+}
+
+void Builder::fail_index(std::int64_t v, std::int64_t face, const char* where) const {
+  std::string message = counted("face", face) + " names vertex " + std::to_string(v) + " (counted from 0), ";
+  message += v < 0 ? "which is before the first one" : "but there are " + std::to_string(vertices_) + " vertices";
+  fail_at(source_, where, message + "; the file was cut or its indices are off");
+}
+
+void Builder::polygon(std::span<const std::int64_t> corners, const char* where) {
+  if (corners.size() < 3) {
+    fail_at(source_, where, next_face() + " has " + std::to_string(corners.size()) + " corners; a face needs three");
+  }
+  if (corners.size() > 3 && options_.polygons == ReadOptions::Polygons::refuse) {
+    fail_at(source_, where,
+            next_face() + " has " + std::to_string(corners.size()) +
+                " corners and polygons are refused; triangulate the mesh, or let the reader do it");
+  }
+  if (faces_ >= most) fail(source_, "more than 2147483647 faces");
+  if (!polygonal()) {  // the first polygon: triangles so far become polygons of three corners
+    corners_.assign(F_.data(), F_.data() + 3 * faces_);
+    for (std::int64_t f = 0; f < faces_; ++f) starts_.push_back(static_cast<std::size_t>(3 * f));
+    places_.assign(static_cast<std::size_t>(faces_), where);
+    F_.resize(0, 3);
+  }
+  starts_.push_back(corners_.size());
+  places_.push_back(where);
+  for (const std::int64_t v : corners) corners_.push_back(checked(v, where));
+  ++faces_;
+}
+
+void Builder::triangulate_all(MeshFile& mesh) const {
+  const std::size_t triangles = corners_.size() - 2 * starts_.size();
+  if (triangles > static_cast<std::size_t>(most)) fail(source_, "more than 2147483647 triangles");
+  mesh.F.resize(static_cast<Eigen::Index>(triangles), 3);
+  mesh.polygon_of.resize(triangles);
+  std::vector<Index> local;
+  std::size_t row = 0;
+  for (std::size_t f = 0; f < starts_.size(); ++f) {
+    const std::size_t stop = f + 1 < starts_.size() ? starts_[f + 1] : corners_.size();
+    const std::span<const Index> corners(corners_.data() + starts_[f], stop - starts_[f]);
+    local.clear();
+    if (!triangulate(mesh.V, corners, local)) {
+      fail_at(source_, places_[f],
+              counted("face", static_cast<std::int64_t>(f)) + " has " + std::to_string(corners.size()) +
+                  " corners, is not convex, and is too large or crosses itself; triangulate it before");
+    }
+    for (std::size_t i = 0; i < local.size(); i += 3, ++row) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        mesh.F(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(c)) =
+            corners[static_cast<std::size_t>(local[i + c])];
+      }
+      mesh.polygon_of[row] = static_cast<Index>(f);
+    }
+  }
+}
+
+MeshFile Builder::finish(const char* format) {
+  if (vertices_ == 0) fail(source_, "there are no vertices; is this a mesh, and is it complete?");
+  if (faces_ == 0) {
+    fail(source_, "there are " + std::to_string(vertices_) +
+                      " vertices but no faces; a surface is needed, so triangulate the point cloud first");
+  }
+  if (highest_ >= vertices_) fail_index(highest_, highest_face_, highest_where_);
+  MeshFile mesh;
+  V_.conservativeResize(vertices_, 3);
+  mesh.V = std::move(V_);
+  if (polygonal()) {
+    triangulate_all(mesh);
+  } else {
+    F_.conservativeResize(faces_, 3);
+    mesh.F = std::move(F_);
+  }
+  mesh.format = format;
+  mesh.ignored = std::move(ignored_);
+  mesh.bytes = static_cast<std::int64_t>(source_.bytes.size());
+  return mesh;
+}
+
+}  // namespace alcap::detail

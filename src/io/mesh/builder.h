@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: MIT
+//
+// builder.h: collects vertices and faces in the order of the file and turns them into a MeshFile: range checks,
+// polygons, growth. Every format reader ends here, so all of them agree on what an acceptable mesh is.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "alcap/mesh_io.h"
+#include "src/io/mesh/source.h"
+
+namespace alcap::detail {
+
+class Builder {
+ public:
+  Builder(const Source& source, const ReadOptions& options) : source_(source), options_(options) {}
+
+  [[nodiscard]] std::int64_t vertices() const { return vertices_; }
+  [[nodiscard]] std::int64_t faces() const { return faces_; }
+
+  /// Room for what the header announces (after check_count).
+  void reserve_vertices(std::int64_t count) { V_.resize(count, 3); }
+  void reserve_faces(std::int64_t count) { F_.resize(count, 3); }
+
+  /// Adds a vertex; `x` holds three finite coordinates.
+  void vertex(const double* x) {
+    if (vertices_ == V_.rows()) grow_vertices();
+    double* row = V_.data() + 3 * vertices_++;
+    row[0] = x[0], row[1] = x[1], row[2] = x[2];
+  }
+
+  /// Adds a face by zero-based vertex numbers; `where` is its place in the file. Faces may come before their vertices.
+  void face(std::span<const std::int64_t> corners, const char* where) {
+    if (corners.size() != 3 || polygonal()) return polygon(corners, where);
+    if (faces_ == F_.rows()) grow_faces();
+    Index* row = F_.data() + 3 * faces_;
+    for (int c = 0; c < 3; ++c) row[c] = checked(corners[static_cast<std::size_t>(c)], where);
+    ++faces_;
+  }
+
+  /// Counts something that is no surface.
+  void ignore(std::string_view kind, std::int64_t count = 1);
+
+  /// The mesh; throws FileError when there is none (no vertices, no faces, an index without its vertex).
+  [[nodiscard]] MeshFile finish(const char* format);
+
+  /// "vertex 7 (counted from 0)", for messages about the vertex that comes next.
+  [[nodiscard]] std::string next_vertex() const;
+  [[nodiscard]] std::string next_face() const;
+
+ private:
+  [[nodiscard]] bool polygonal() const { return !starts_.empty(); }
+
+  // The highest index and its place are kept: whether it exists is known at the end.
+  Index checked(std::int64_t v, const char* where) {
+    if (v < 0 || v > std::numeric_limits<Index>::max()) fail_index(v, faces_, where);
+    if (v > highest_) highest_ = v, highest_face_ = faces_, highest_where_ = where;
+    return static_cast<Index>(v);
+  }
+
+  void grow_vertices();
+  void grow_faces();
+  void polygon(std::span<const std::int64_t> corners, const char* where);
+  void triangulate_all(MeshFile& mesh) const;
+  [[noreturn]] void fail_index(std::int64_t v, std::int64_t face, const char* where) const;
+
+  const Source& source_;
+  const ReadOptions& options_;
+  Positions<double> V_;  // the first vertices_ rows
+  Faces F_;              // the first faces_ rows, as long as all are triangles
+  std::int64_t vertices_ = 0;
+  std::int64_t faces_ = 0;
+  std::int64_t highest_ = -1;
+  std::int64_t highest_face_ = 0;
+  const char* highest_where_ = nullptr;
+  std::vector<Index> corners_;       // from the first polygon on, all corners ...
+  std::vector<std::size_t> starts_;  // ... and where each face starts
+  std::vector<const char*> places_;  // of the faces, for the same
+  std::vector<MeshFile::Ignored> ignored_;
+};
+
+}  // namespace alcap::detail

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: MIT
+//
+// obj.cpp: Wavefront OBJ. Reads v and f; texture coordinates, normals, groups, materials, lines and curves are counted.
+// Words that are no OBJ statement are errors: a misspelt 'v' would shift every vertex behind it.
+#include <algorithm>
+#include <array>
+
+#include "src/io/mesh/builder.h"
+#include "src/io/mesh/format.h"
+#include "src/io/mesh/tokenizer.h"
+
+namespace alcap::detail {
+namespace {
+
+constexpr std::array<std::string_view, 43> ignored_words = {
+    "vt",       "vn",     "vp",   "l",      "p",      "o",          "g",         "s",     "mg",
+    "mtllib",   "usemtl", "lod",  "maplib", "usemap", "shadow_obj", "trace_obj", "bevel", "c_interp",
+    "d_interp", "cstype", "deg",  "bmat",   "step",   "curv",       "curv2",     "surf",  "parm",
+    "trim",     "hole",   "scrv", "sp",     "end",    "con",        "call",      "csh",   "ctech",
+    "stech",    "bsp",    "bzp",  "cdc",    "cdp",    "res",        "vs"};
+
+bool is_ignored(std::string_view word) { return std::ranges::find(ignored_words, word) != ignored_words.end(); }
+
+bool recognise(std::string_view bytes) {
+  const Source source{"", bytes};
+  Tokenizer in(source);
+  if (!in.next_token()) return false;
+  const std::string_view word = in.word();
+  return word == "v" || word == "f" || is_ignored(word);
+}
+
+void read_face(Tokenizer& in, Builder& mesh, std::vector<std::int64_t>& corners) {
+  const char* const where = in.where();
+  corners.clear();
+  while (!in.at_line_end()) {
+    std::int64_t v = 0;
+    const char* const token = in.where();
+    if (!in.integer(v, '/') || !in.skip_references()) {
+      in.go(token);
+      in.fail_number("corner of " + mesh.next_face());
+    }
+    if (v == 0) fail_at(in.source(), token, mesh.next_face() + " names vertex 0; OBJ counts from 1");
+    corners.push_back(v > 0 ? v - 1 : mesh.vertices() + v);
+  }
+  mesh.face(corners, where);
+}
+
+MeshFile read(const Source& source, const ReadOptions& options) {
+  Tokenizer in(source);
+  Builder mesh(source, options);
+  std::vector<std::int64_t> corners;
+  while (in.next_token()) {
+    const char* const where = in.where();
+    const std::string_view word = in.word();
+    if (word == "v") {
+      double x[3];
+      if (!in.real(x[0]) || !in.real(x[1]) || !in.real(x[2])) in.fail_number("coordinate of " + mesh.next_vertex());
+      mesh.vertex(x);
+      if (!in.at_line_end()) in.skip_statement();  // a weight or a colour
+    } else if (word == "f") {
+      read_face(in, mesh, corners);
+    } else if (is_ignored(word)) {
+      mesh.ignore(word);
+      in.skip_statement();
+    } else {
+      fail_at(source, where,
+              quoted(word) + " is no OBJ statement; is this an OBJ file? If so, repair or remove the line");
+    }
+  }
+  return mesh.finish("obj");
+}
+
+void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
+  for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    file.write("v");
+    for (int c = 0; c < 3; ++c) file.write(" "), write_number(file, V(v, c));
+    file.write("\n");
+  }
+  for (Eigen::Index t = 0; t < F.rows(); ++t) {
+    file.write("f");
+    for (int c = 0; c < 3; ++c) file.write(" "), write_number(file, std::int64_t{F(t, c)} + 1);
+    file.write("\n");
+  }
+}
+
+}  // namespace
+
+const Format obj_format = {"obj", recognise, read, write};
+
+}  // namespace alcap::detail

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+//
+// geometry.cpp: measures of triangles.
+#include "alcap/geometry.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string>
+
+#include "src/simd/angles.h"
+#include "alcap/mesh_check.h"
+#include "src/base/parallel.h"
+
+namespace alcap {
+
+template <class T>
+Geometry<T>::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<T>>& V) {
+  if (V.rows() != mesh.vertices())
+    throw OptionError("V", std::to_string(V.rows()) + " rows",
+                      "needs one row per vertex of the mesh, " + std::to_string(mesh.vertices()));
+  using Point = Eigen::Matrix<T, 1, 3>;
+  const std::int64_t faces = mesh.faces();
+  angle_.resize(3 * faces);
+  cot_.resize(3 * faces);
+  area_.resize(faces);
+  length_.resize(mesh.edges());
+  const bool good = parallel_reduce(
+      faces, true,
+      [&](std::int64_t begin, std::int64_t end) {
+        bool all_good = true;
+        // Angles are taken of many corners at a time.
+        constexpr std::int64_t block = 256;
+        std::array<T, 3 * block> height, width;
+        for (std::int64_t first = begin; first < end; first += block) {
+          const std::int64_t count = std::min(block, end - first);
+          for (std::int64_t i = 0; i < count; ++i) {
+            const std::int64_t t = first + i;
+            const Point p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
+            // The comparison in degenerate() is false for NaN as well; infinite points give NaN areas.
+            all_good &= !degenerate<T>(p[0], p[1], p[2]);
+            const Point side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
+            const T twice_area = side[0].cross(side[1]).norm();
+            area_[t] = twice_area / T(2);
+            for (Index c = 0; c < 3; ++c) {
+              const T dot = -side[c].dot(side[(c + 2) % 3]);
+              height[static_cast<std::size_t>(3 * i + c)] = twice_area;
+              width[static_cast<std::size_t>(3 * i + c)] = dot;
+              cot_[3 * t + c] = dot / twice_area;
+              const Index h = static_cast<Index>(3 * t + c);
+              if (mesh.canonical(h)) length_[mesh.edge(h)] = side[c].norm();
+            }
+          }
+          detail::upper_angles(3 * count, height.data(), width.data(), angle_.data() + 3 * first);
+        }
+        return all_good;
+      },
+      [](bool a, bool b) { return a && b; });
+  if (!good) {
+    const std::vector<DefectReport> defects = find_defects<T>(V, mesh.F());
+    if (defects.empty()) throw Error("internal error: a face was refused but no defect was found");
+    throw_defect(defects.front());
+  }
+  sum_angles(mesh);
+}
+
+template <class T>
+Geometry<T> Geometry<T>::from_lengths(const Mesh& mesh, const VectorX<T>& lengths) {
+  if (lengths.size() != mesh.edges())
+    throw OptionError("lengths", std::to_string(lengths.size()) + " entries",
+                      "needs one per edge of the mesh, " + std::to_string(mesh.edges()));
+  Geometry g;
+  g.length_ = lengths;
+  g.angle_.resize(mesh.halfedges());
+  g.cot_.resize(mesh.halfedges());
+  g.area_.resize(mesh.faces());
+  parallel_for(mesh.faces(), [&](std::int64_t t) {
+    T l[3];
+    for (Index c = 0; c < 3; ++c) l[c] = lengths[mesh.edge(static_cast<Index>(3 * t + c))];
+    // Kahan's stable form of Heron's formula: sides sorted a >= b >= c.
+    T a = l[0], b = l[1], c = l[2];
+    if (a < b) std::swap(a, b);
+    if (b < c) std::swap(b, c);
+    if (a < b) std::swap(a, b);
+    const T product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
+    const T twice_area = std::sqrt(product) / T(2);
+    g.area_[t] = twice_area / T(2);
+    for (Index k = 0; k < 3; ++k) {
+      const T before = l[(k + 2) % 3], after = l[k], opposite = l[(k + 1) % 3];
+      const T dot = (before * before + after * after - opposite * opposite) / T(2);
+      g.angle_[3 * t + k] = std::atan2(twice_area, dot);
+      g.cot_[3 * t + k] = dot / twice_area;
+    }
+  });
+  for (Index t = 0; t < mesh.faces(); ++t)
+    if (!(g.area_[t] > T(0)))
+      throw MeshError("face " + std::to_string(t) +
+                          " has edge lengths that make no triangle; every two sides must be longer than the third",
+                      Defect::zero_area_face, Element::face, 1, {t});
+  g.sum_angles(mesh);
+  return g;
+}
+
+template <class T>
+void Geometry<T>::sum_angles(const Mesh& mesh) {
+  angle_sum_.resize(mesh.vertices());
+  parallel_for(mesh.vertices(), [&](std::int64_t v) {
+    T sum = 0;
+    mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) { sum += angle_[h]; });
+    angle_sum_[v] = sum;
+  });
+  total_area_ = parallel_sum<T>(mesh.faces(), [&](std::int64_t t) { return area_[t]; });
+}
+
+template class Geometry<float>;
+template class Geometry<double>;
+
+}  // namespace alcap

@@ -1,0 +1,286 @@
+// SPDX-License-Identifier: MIT
+//
+// field_run.cpp: the steps of a run in order, with times, remarks and the certificate.
+#include "alcap/field_run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include "alcap/mesh_check.h"
+#include "src/base/parallel.h"
+
+namespace alcap {
+namespace {
+
+constexpr std::size_t most_named = 8;
+
+// Corners below this angle are slivers worth a remark: their cotangents are beyond 500 and the solver's matrices feel
+// it.
+constexpr double sliver_angle = 0.002;
+
+// Two smallest eigenvalues this close together (relative) leave the choice within their span to chance.
+constexpr double degenerate_gap = 1e-6;
+
+class Stopwatch {
+ public:
+  /// Seconds since construction or the last lap.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+std::string plural(std::int64_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
+  const std::int64_t count = mesh.vertices() - mesh.referenced_vertices();
+  if (count == 0) return;
+  Remark remark{.code = "unreferenced_vertices", .count = count};
+  for (Index v = 0; v < mesh.vertices() && remark.first.size() < most_named; ++v) {
+    if (!mesh.referenced(v)) remark.first.push_back(v);
+  }
+  remark.message = plural(count, "vertex is", "vertices are") + " used by no face; the field is zero there";
+  remarks.push_back(std::move(remark));
+}
+
+// Only boundary vertices can be where two pieces should have been one.
+void remark_separate_pieces(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
+                            std::vector<Remark>& remarks) {
+  if (mesh.boundary_edges() == 0) return;
+  std::vector<Index> rim;
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    if (mesh.boundary_vertex(v)) rim.push_back(v);
+  }
+  Positions<double> points(static_cast<Eigen::Index>(rim.size()), 3);
+  for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Eigen::Index>(k)) = V.row(rim[k]);
+  const std::int64_t count = duplicate_positions(points);
+  if (count == 0) return;
+  const auto pieces = static_cast<std::int64_t>(topology.components.size());
+  remarks.push_back(
+      {.code = "separate_pieces",
+       .message = plural(count, "boundary vertex lies", "boundary vertices lie") +
+                  " exactly where another one does, but the faces do not share them; the mesh was taken as " +
+                  plural(pieces, "piece", "separate pieces") + "; join them with --repair weld",
+       .count = count});
+}
+
+void remark_slivers(const Geometry<double>& geometry, const Mesh& mesh, std::vector<Remark>& remarks) {
+  const double least = parallel_reduce(
+      geometry.angles().size(), pi<double>,
+      [&](std::int64_t begin, std::int64_t end) { return geometry.angles().segment(begin, end - begin).minCoeff(); },
+      [](double a, double b) { return std::min(a, b); });
+  if (least >= sliver_angle) return;
+  Remark remark{.code = "slivers", .warning = false};
+  for (Index t = 0; t < mesh.faces(); ++t) {
+    const double smallest = geometry.angles().segment<3>(3 * Eigen::Index{t}).minCoeff();
+    if (smallest >= sliver_angle) continue;
+    if (static_cast<std::size_t>(remark.count++) < most_named) remark.first.push_back(t);
+  }
+  remark.message = plural(remark.count, "face has", "faces have") +
+                   " a corner below 0.1 degrees; the result holds, solving takes longer";
+  remarks.push_back(std::move(remark));
+}
+
+void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
+  Remark failed{.code = "eigen_not_converged"}, degenerate{.code = "not_unique", .warning = false};
+  std::string said;
+  for (std::size_t c = 0; c < run.eigen.size(); ++c) {
+    const EigenReport& e = run.eigen[c];
+    if (!e.converged || !(e.residual <= options.eigen.tolerance)) {
+      if (failed.count++ == 0) said = e.message;
+      if (failed.first.size() < most_named) failed.first.push_back(static_cast<Index>(c));
+    }
+    if (e.converged && std::isfinite(e.next) && e.next - e.lambda <= degenerate_gap * std::abs(e.next)) {
+      if (static_cast<std::size_t>(degenerate.count++) < most_named) degenerate.first.push_back(static_cast<Index>(c));
+    }
+  }
+  if (failed.count > 0) {
+    failed.message = "the eigensolver did not reach the tolerance on " +
+                     plural(failed.count, "component", "components") + (said.empty() ? "" : " (" + said + ")") +
+                     "; try another --solver, or a larger --tolerance";
+    remarks.push_back(std::move(failed));
+  }
+  if (degenerate.count > 0) {
+    degenerate.message =
+        "the smallest eigenvalue is multiple (a symmetric surface): the field is one of many equally smooth ones";
+    remarks.push_back(std::move(degenerate));
+  }
+}
+
+void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
+  const ConnectionReport& connection = run.connection.report;
+  if (!connection.converged) {
+    remarks.push_back({.code = "connection_not_converged",
+                       .message = "the connection did not reach its tolerance" +
+                                  (connection.message.empty() ? "" : " (" + connection.message + ")") +
+                                  "; small --detail and slivers make it hard"});
+  }
+  remark_eigen(run, options, remarks);
+  Remark sums{.code = "index_sum_mismatch"};
+  for (std::size_t c = 0; c < run.index_sums.size(); ++c) {
+    if (run.index_sums[c].sum == run.index_sums[c].expected) continue;
+    if (static_cast<std::size_t>(sums.count++) < most_named) sums.first.push_back(static_cast<Index>(c));
+  }
+  if (sums.count > 0) {
+    sums.message = "the indices do not sum to what topology demands on " +
+                   plural(sums.count, "component", "components") + "; please report this mesh";
+    remarks.push_back(std::move(sums));
+  }
+  if (!run.certificate.finite) {
+    remarks.push_back({.code = "not_finite", .message = "the field has values that are not finite numbers"});
+  }
+}
+
+Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
+  Certificate certificate;
+  certificate.connection_converged = run.connection.report.converged;
+  certificate.eigen_converged =
+      std::all_of(run.eigen.begin(), run.eigen.end(), [](const EigenReport& e) { return e.converged; });
+  certificate.residual_small = std::all_of(run.eigen.begin(), run.eigen.end(), [&](const EigenReport& e) {
+    return e.residual <= options.eigen.tolerance;  // false for NaN
+  });
+  certificate.index_sums_match =
+      std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
+  certificate.finite = parallel_reduce(
+      run.field.u.size(), true,
+      [&](std::int64_t begin, std::int64_t end) { return run.field.u.segment(begin, end - begin).allFinite(); },
+      [](bool a, bool b) { return a && b; });
+  return certificate;
+}
+
+FieldRun run_steps(const Positions<double>& V, Faces F, const FieldRunOptions& options) {
+  const auto say = [&](const char* phase) {
+    if (options.progress) options.progress(phase);
+  };
+  FieldRun run;
+  Stopwatch watch;
+
+  say("mesh");
+  if (!options.repairs.empty()) F = apply_repairs(V, F, options.repairs, run.remarks);
+  run.mesh = Mesh(std::move(F), V.rows());
+  run.topology = find_topology(run.mesh);
+  run.geometry = Geometry<double>(run.mesh, V);
+  for (Remark& remark : mesh_remarks(V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(remark));
+  run.times.mesh = watch.lap();
+
+  say("connection");
+  run.cones = make_cones(run.mesh, run.geometry, options);
+  run.connection = make_connection(run.mesh, run.geometry, options, run.cones);
+  run.times.connection = watch.lap();
+
+  say("solve");
+  SmoothestResult result = smoothest_field(run.mesh, run.geometry, run.connection, run.topology, nullptr,
+                                           {.n = options.n, .s = options.s, .eigen = options.eigen});
+  run.field = std::move(result.field);
+  run.eigen = std::move(result.components);
+  run.times.assembly = result.assembly_seconds;
+  run.times.eigen = std::max(0.0, watch.lap() - result.assembly_seconds);
+
+  say("analysis");
+  // Only now: the solve, which takes the most memory, needs no frames.
+  run.field.frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, V, run.geometry, run.connection));
+  run.indices = face_indices(run.mesh, run.connection, run.field);
+  run.index_sums = index_sums(run.mesh, run.geometry, run.connection, run.field, run.indices, run.topology);
+  run.singularities = find_singularities(run.mesh, run.geometry, run.connection, run.field, run.indices);
+  run.certificate = certify(run, options);
+  remark_outcome(run, options, run.remarks);
+  if (options.normalise) run.field = normalised(std::move(run.field));
+  run.times.analysis = watch.lap();
+  return run;
+}
+
+}  // namespace
+
+Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vector<Repair>& repairs,
+                    std::vector<Remark>& remarks) {
+  const auto asked = [&](Repair repair) { return std::find(repairs.begin(), repairs.end(), repair) != repairs.end(); };
+  Faces repaired = F;
+  const auto report = [&](const char* code, std::int64_t count, std::vector<Index> first, const std::string& done) {
+    if (first.size() > most_named) first.resize(most_named);
+    remarks.push_back({.code = code, .warning = false, .message = done, .count = count, .first = std::move(first)});
+  };
+  if (asked(Repair::weld)) {
+    repaired = repair_weld(V, F);
+    const std::int64_t corners = (repaired.array() != F.array()).count();
+    report("welded", corners, {},
+           plural(corners, "corner", "corners") + " moved to the first vertex at the same position");
+  }
+  if (asked(Repair::orient)) {
+    std::vector<Index> flipped;
+    repaired = repair_orientation(repaired, V.rows(), &flipped);
+    const auto count = static_cast<std::int64_t>(flipped.size());
+    report("reoriented", count, std::move(flipped), plural(count, "face", "faces") + " turned");
+  }
+  return repaired;
+}
+
+std::vector<Cone> make_cones(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options) {
+  if (options.connection != ConnectionKind::trivial) return {};
+  return options.balance_cones ? balance_cones(mesh, geometry, options.cones, {.n = options.n}) : options.cones;
+}
+
+Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options,
+                                   const std::vector<Cone>& cones) {
+  Connection<double> connection;
+  switch (options.connection) {
+    case ConnectionKind::global:
+      return globally_optimal(mesh, geometry, options.global);
+    case ConnectionKind::local:
+      connection = locally_optimal(mesh, geometry);
+      break;
+    case ConnectionKind::polar:
+      connection = polar(mesh, geometry, options.polar);
+      break;
+    case ConnectionKind::trivial:
+      return trivial(mesh, geometry, cones,
+                     {.n = options.n,
+                      .generator_holonomy = options.generator_holonomy,
+                      .loop_index = options.loop_index,
+                      .global = options.global});
+  }
+  measure_deviation(mesh, geometry, options.global, connection);
+  return connection;
+}
+
+std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
+                                 const Geometry<double>& geometry) {
+  std::vector<Remark> remarks;
+  remark_unreferenced(mesh, remarks);
+  remark_separate_pieces(V, mesh, topology, remarks);
+  remark_slivers(geometry, mesh, remarks);
+  if (!topology.loops.empty()) {
+    remarks.push_back(
+        {.code = "boundary",
+         .warning = false,
+         .message = "the surface has " +
+                    plural(static_cast<std::int64_t>(topology.loops.size()), "boundary loop", "boundary loops") +
+                    "; the field is free there (natural boundary condition)",
+         .count = static_cast<std::int64_t>(topology.loops.size())});
+  }
+  if (topology.components.size() > 1) {
+    remarks.push_back({.code = "components",
+                       .warning = false,
+                       .message = "the mesh has " + std::to_string(topology.components.size()) +
+                                  " components; each was solved on its own",
+                       .count = static_cast<std::int64_t>(topology.components.size())});
+  }
+  return remarks;
+}
+
+FieldRun run_field(const Positions<double>& V, Faces F, const FieldRunOptions& options) {
+  if (options.threads < 0 || options.threads > 4096) {
+    throw OptionError("threads", std::to_string(options.threads), "must be 0 (all of the machine) or 1 to 4096");
+  }
+  FieldRun run;
+  run_with_threads(options.threads, [&] { run = run_steps(V, std::move(F), options); });
+  return run;
+}
+
+}  // namespace alcap

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+//
+// block_impl.h: the loops of block_raw.h over packs of L floats. Included by one file per instruction set, each
+// compiled with its own flags; the tag keeps the instantiations apart. Every lane does the same operations in the same
+// order whatever the width, so that all machines get the same bits.
+//
+// A complex product sum(a z) over pairs [re | im] is kept in two halves, sum(re(a) z) and sum(im(a) z), so that the
+// loops need no shuffles; the halves are joined at the end of a row.
+#pragma once
+
+#include "kernels/pack.h"
+#include "src/simd/block_raw.h"
+
+namespace alcap::detail::simd {
+
+using kernels::Pack;
+
+/// re + i im of two halves: [re.re - im.im | re.im + im.re], with the second half conjugated if asked.
+template <class Tag, int K, bool conjugate, class T>
+ALCAP_INLINE void join(const T* re, const T* im, T* out) {
+  for (int k = 0; k < K; ++k) out[k] = conjugate ? re[k] + im[K + k] : re[k] - im[K + k];
+  for (int k = 0; k < K; ++k) out[K + k] = conjugate ? re[K + k] - im[k] : re[K + k] + im[k];
+}
+
+/// One vector: two entries at a time in four lanes, which no wider register would speed up at six entries a row.
+template <class Tag>
+void rows_single(const RawRows& A, long long begin, long long end, const float* x, float p, const float* u, float q,
+                 const float* v, float s, float* y) {
+  typedef float Four __attribute__((vector_size(16)));
+  typedef double Two __attribute__((vector_size(16)));
+  for (long long i = begin; i < end; ++i) {
+    Four re = {}, im = {};
+    long long e = A.start[i];
+    const long long stop = A.start[i + 1];
+    for (; e + 1 < stop; e += 2) {
+      Four a;
+      __builtin_memcpy(&a, A.value + 2 * e, sizeof a);
+      // Pairs travel as doubles: one load each.
+      double first, second;
+      __builtin_memcpy(&first, x + 2 * static_cast<long long>(A.column[e]), sizeof first);
+      __builtin_memcpy(&second, x + 2 * static_cast<long long>(A.column[e + 1]), sizeof second);
+      const Four z = reinterpret_cast<Four>(Two{first, second});
+      re += Four{a[0], a[0], a[2], a[2]} * z;
+      im += Four{a[1], a[1], a[3], a[3]} * z;
+    }
+    if (e < stop) {
+      const float* const z = x + 2 * static_cast<long long>(A.column[e]);
+      const float ar = A.value[2 * e], ai = A.value[2 * e + 1];
+      re += Four{ar * z[0], ar * z[1], 0, 0};
+      im += Four{ai * z[0], ai * z[1], 0, 0};
+    }
+    float out_re = s * ((re[0] + re[2]) - (im[1] + im[3]));
+    float out_im = s * ((re[1] + re[3]) + (im[0] + im[2]));
+    if (u != nullptr) {
+      out_re += p * u[2 * i];
+      out_im += p * u[2 * i + 1];
+    }
+    if (v != nullptr) {
+      out_re += q * v[2 * i];
+      out_im += q * v[2 * i + 1];
+    }
+    y[2 * i] = out_re;
+    y[2 * i + 1] = out_im;
+  }
+}
+
+template <class Tag, int L, int K>
+void rows(const RawRows& A, long long begin, long long end, const float* x, float p, const float* u, float q,
+          const float* v, float s, float* y) {
+  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  constexpr int N = 2 * K / P::size;
+  for (long long i = begin; i < end; ++i) {
+    P re[N], im[N];
+    for (int n = 0; n < N; ++n) re[n] = im[n] = P(0.0F);
+    for (long long e = A.start[i]; e < A.start[i + 1]; ++e) {
+      const P ar(A.value[2 * e]), ai(A.value[2 * e + 1]);
+      const float* const from = x + 2 * K * static_cast<long long>(A.column[e]);
+      for (int n = 0; n < N; ++n) {
+        const P z = P::load(from + n * P::size);
+        re[n] = re[n] + ar * z;
+        im[n] = im[n] + ai * z;
+      }
+    }
+    float real[2 * K], imaginary[2 * K], sum[2 * K];
+    for (int n = 0; n < N; ++n) re[n].store(real + n * P::size);
+    for (int n = 0; n < N; ++n) im[n].store(imaginary + n * P::size);
+    join<Tag, K, false>(real, imaginary, sum);
+    for (int n = 0; n < N; ++n) {
+      P out = P(s) * P::load(sum + n * P::size);
+      if (u != nullptr) out = out + P(p) * P::load(u + 2 * K * i + n * P::size);
+      if (v != nullptr) out = out + P(q) * P::load(v + 2 * K * i + n * P::size);
+      out.store(y + 2 * K * i + n * P::size);
+    }
+  }
+}
+
+template <class Tag, int L, int K>
+void pencil(const RawPencil& A, long long begin, long long end, const float* x, float* Sx, float* Mx) {
+  // Eight numbers of a row at a time: the four sums of S and M then stay in registers.
+  constexpr int width = 8;
+  using P = Pack<double, (L / 2 < width ? L / 2 : width), Tag>;
+  constexpr int N = width / P::size;
+  for (long long j = begin; j < end; ++j, Sx += 2 * K, Mx += 2 * K) {
+    double S_re[2 * K], S_im[2 * K], M_re[2 * K], M_im[2 * K];
+    for (int part = 0; part < 2 * K; part += width) {
+      P sums[4][N];
+      for (auto& sum : sums)
+        for (P& lanes : sum) lanes = P(0.0);
+      for (long long e = A.start[j]; e < A.start[j + 1]; ++e) {
+        const float* const from = x + 2 * K * static_cast<long long>(A.row[e]) + part;
+        double z[width];
+        for (int k = 0; k < width; ++k) z[k] = static_cast<double>(from[k]);
+        const P entry[4] = {P(A.S[2 * e]), P(A.S[2 * e + 1]), P(A.M[2 * e]), P(A.M[2 * e + 1])};
+        for (int n = 0; n < N; ++n) {
+          const P lanes = P::load(z + n * P::size);
+          for (int k = 0; k < 4; ++k) sums[k][n] = sums[k][n] + entry[k] * lanes;
+        }
+      }
+      double* const to[4] = {S_re, S_im, M_re, M_im};
+      for (int k = 0; k < 4; ++k)
+        for (int n = 0; n < N; ++n) sums[k][n].store(to[k] + part + n * P::size);
+    }
+    double S_sum[2 * K], M_sum[2 * K];
+    join<Tag, K, true>(S_re, S_im, S_sum);
+    join<Tag, K, true>(M_re, M_im, M_sum);
+    for (int k = 0; k < 2 * K; ++k) Sx[k] = static_cast<float>(A.S_scale * S_sum[k]);
+    for (int k = 0; k < 2 * K; ++k) Mx[k] = static_cast<float>(A.M_scale * M_sum[k]);
+  }
+}
+
+template <class Tag, int L, int K>
+void gram(const float* left, const float* right, long long rows, double* out) {
+  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  constexpr int N = 2 * K / P::size;
+  for (int a = 0; a < K; ++a) {
+    P re[N], im[N];
+    for (int n = 0; n < N; ++n) re[n] = im[n] = P(0.0F);
+    for (long long i = 0; i < rows; ++i) {
+      const P lr(left[2 * K * i + a]), li(left[2 * K * i + K + a]);
+      for (int n = 0; n < N; ++n) {
+        const P z = P::load(right + 2 * K * i + n * P::size);
+        re[n] = re[n] + lr * z;
+        im[n] = im[n] + li * z;
+      }
+    }
+    float real[2 * K], imaginary[2 * K], sum[2 * K];
+    for (int n = 0; n < N; ++n) re[n].store(real + n * P::size);
+    for (int n = 0; n < N; ++n) im[n].store(imaginary + n * P::size);
+    join<Tag, K, true>(real, imaginary, sum);
+    for (int b = 0; b < K; ++b) out[K * a + b] += static_cast<double>(sum[b]);
+    for (int b = 0; b < K; ++b) out[K * (K + a) + b] += static_cast<double>(sum[K + b]);
+  }
+}
+
+/// Coefficients as combine uses them: for each of the K vectors what its real and its imaginary part contribute.
+template <class Tag, int K>
+ALCAP_INLINE void spread(const float* c, float (&re)[K][2 * K], float (&im)[K][2 * K]) {
+  for (int a = 0; a < K; ++a)
+    for (int b = 0; b < K; ++b) {
+      re[a][b] = im[a][K + b] = c[K * a + b];
+      re[a][K + b] = c[K * (K + a) + b];
+      im[a][b] = -c[K * (K + a) + b];
+    }
+}
+
+template <class Tag, int L, int K>
+ALCAP_INLINE void add_combination(const float* row, const float (&re)[K][2 * K], const float (&im)[K][2 * K],
+                                  Pack<float, (2 * K < L ? 2 * K : L), Tag>* sum) {
+  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  for (int a = 0; a < K; ++a) {
+    const P x(row[a]), y(row[K + a]);
+    for (int n = 0; n < 2 * K / P::size; ++n)
+      sum[n] = sum[n] + (x * P::load(re[a] + n * P::size) + y * P::load(im[a] + n * P::size));
+  }
+}
+
+template <class Tag, int L, int K>
+void combine(const float* a, const float* ca, const float* b, const float* cb, long long rows, float* out) {
+  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  constexpr int N = 2 * K / P::size;
+  float a_re[K][2 * K], a_im[K][2 * K], b_re[K][2 * K], b_im[K][2 * K];
+  spread<Tag, K>(ca, a_re, a_im);
+  if (b != nullptr) spread<Tag, K>(cb, b_re, b_im);
+  for (long long i = 0; i < rows; ++i) {
+    P sum[N];
+    for (int n = 0; n < N; ++n) sum[n] = P(0.0F);
+    add_combination<Tag, L, K>(a + 2 * K * i, a_re, a_im, sum);
+    if (b != nullptr) add_combination<Tag, L, K>(b + 2 * K * i, b_re, b_im, sum);
+    for (int n = 0; n < N; ++n) sum[n].store(out + 2 * K * i + n * P::size);
+  }
+}
+
+template <class Tag, int L>
+BlockKernels block_kernels(int K) {
+  if (K == 4) return {rows<Tag, L, 4>, pencil<Tag, L, 4>, gram<Tag, L, 4>, combine<Tag, L, 4>};
+  if (K == 8) return {rows<Tag, L, 8>, pencil<Tag, L, 8>, gram<Tag, L, 8>, combine<Tag, L, 8>};
+  if (K == 16) return {rows<Tag, L, 16>, pencil<Tag, L, 16>, gram<Tag, L, 16>, combine<Tag, L, 16>};
+  return {rows_single<Tag>, nullptr, nullptr, nullptr};
+}
+
+}  // namespace alcap::detail::simd

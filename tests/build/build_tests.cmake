@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: MIT
+#
+# Tests of the build itself: layers, headers on their own, install and embed, the README's snippets.
+
+# A wrong include arrow fails; and the checker itself is proven able to fail, one rule at a time.
+add_test(NAME layers COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR}
+  -P ${CMAKE_CURRENT_LIST_DIR}/check_layers.cmake)
+add_test(NAME layers_can_fail COMMAND ${CMAKE_COMMAND} -D WORK=${CMAKE_CURRENT_BINARY_DIR}/layers_can_fail
+  -P ${CMAKE_CURRENT_LIST_DIR}/check_layers_selftest.cmake)
+
+# alcap.h includes every public header.
+add_test(NAME umbrella_is_complete COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR}
+  -P ${CMAKE_CURRENT_LIST_DIR}/check_umbrella.cmake)
+
+# Every public header compiles alone and twice. Compiling is the test, so a mistake here fails the build.
+file(GLOB alcap_public_headers RELATIVE ${PROJECT_SOURCE_DIR}/include CONFIGURE_DEPENDS
+  ${PROJECT_SOURCE_DIR}/include/alcap/*.h)
+set(alcap_header_sources)
+foreach(header IN LISTS alcap_public_headers)
+  string(MAKE_C_IDENTIFIER ${header} id)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/headers/${id}.cpp)
+  file(CONFIGURE OUTPUT ${source} CONTENT "#include \"@header@\"\n#include \"@header@\"\n" @ONLY)
+  list(APPEND alcap_header_sources ${source})
+endforeach()
+add_library(alcap_headers_alone OBJECT ${alcap_header_sources})
+alcap_private_flags(alcap_headers_alone)
+target_link_libraries(alcap_headers_alone PRIVATE alcap::alcap TBB::tbb)
+
+# What benchmarks are judged by: which differences count, and the table of targets.
+find_program(ALCAP_PYTHON python3)
+mark_as_advanced(ALCAP_PYTHON)
+if(ALCAP_PYTHON)
+  add_test(NAME bench_scripts COMMAND ${ALCAP_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/bench_scripts.py)
+endif()
+
+# Users of the library: one finds it installed, one embeds its sources. Both inherit how this build was made.
+string(TOUPPER "${CMAKE_BUILD_TYPE}" config_upper)
+set(consumer_settings
+  -D CXX=${CMAKE_CXX_COMPILER} -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
+  -D CONFIG=$<CONFIG> -D "FLAGS=${CMAKE_CXX_FLAGS}" -D "FLAGS_CONFIG=${CMAKE_CXX_FLAGS_${config_upper}}"
+  -D WITH_CHOLMOD=${ALCAP_WITH_CHOLMOD} -D NATIVE=${ALCAP_NATIVE} -D SHARED=${BUILD_SHARED_LIBS} -D WERROR=${ALCAP_WARNINGS_AS_ERRORS}
+  -D ALCAP_SOURCE=${PROJECT_SOURCE_DIR} -D ALCAP_BUILD=${PROJECT_BINARY_DIR} -D ALCAP_VERSION=${PROJECT_VERSION})
+foreach(kind IN ITEMS find_package subdirectory)
+  if(kind STREQUAL "find_package" AND NOT ALCAP_INSTALL)
+    continue()
+  endif()
+  add_test(NAME consumer_${kind} COMMAND ${CMAKE_COMMAND} ${consumer_settings} -D KIND=${kind}
+    -D WORK=${CMAKE_CURRENT_BINARY_DIR}/consumer_${kind} -P ${CMAKE_CURRENT_LIST_DIR}/consumer.cmake)
+  set_tests_properties(consumer_${kind} PROPERTIES TIMEOUT 900)
+endforeach()
+
+# A configure without a build type is an optimised build.
+add_test(NAME default_build_is_optimised COMMAND ${CMAKE_COMMAND} ${consumer_settings} -D KIND=default_build
+  -D WORK=${CMAKE_CURRENT_BINARY_DIR}/default_build -P ${CMAKE_CURRENT_LIST_DIR}/consumer.cmake)
+
+# Every C++ snippet of the README is compiled and run.
+include(build/readme_snippets.cmake)

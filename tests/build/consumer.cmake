@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: MIT
+#
+# Builds and runs a project that uses alcap, as ctest calls it: cmake -D KIND=... -P consumer.cmake.
+#   find_package   installs alcap to a fresh folder, moves that folder, and finds it there
+#   subdirectory   add_subdirectory(alcap) in a parent that checks that nothing of it changed
+#   default_build  configures alcap alone without a build type and looks at the flags
+cmake_minimum_required(VERSION 3.25)
+
+function(run what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE code OUTPUT_VARIABLE out ERROR_VARIABLE out)
+  if(NOT code EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${what} failed (${code}): ${command}\n${out}")
+  endif()
+  message(STATUS "${what}: ok")
+  set(output "${out}" PARENT_SCOPE)
+endfunction()
+
+string(TOUPPER "${CONFIG}" config_upper)
+set(settings -G ${GENERATOR} -D CMAKE_CXX_COMPILER=${CXX} -D CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}
+  -D CMAKE_CXX_FLAGS=${FLAGS} -D ALCAP_WITH_CHOLMOD=${WITH_CHOLMOD} -D ALCAP_NATIVE=${NATIVE}
+  -D BUILD_SHARED_LIBS=${SHARED} -D ALCAP_WARNINGS_AS_ERRORS=${WERROR})
+set(typed -D CMAKE_BUILD_TYPE=${CONFIG} -D CMAKE_CXX_FLAGS_${config_upper}=${FLAGS_CONFIG})
+file(REMOVE_RECURSE ${WORK})
+set(project ${ALCAP_SOURCE}/tests/build/consumer_${KIND})
+
+if(KIND STREQUAL "find_package")
+  run(install ${CMAKE_COMMAND} --install ${ALCAP_BUILD} --config ${CONFIG} --prefix ${WORK}/first)
+  file(RENAME ${WORK}/first ${WORK}/moved)
+  run(configure ${CMAKE_COMMAND} -S ${project} -B ${WORK}/build ${settings} ${typed}
+    -D CMAKE_PREFIX_PATH=${WORK}/moved -D ALCAP_VERSION=${ALCAP_VERSION})
+elseif(KIND STREQUAL "subdirectory")
+  run(configure ${CMAKE_COMMAND} -S ${project} -B ${WORK}/build ${settings} ${typed} -D ALCAP_SOURCE=${ALCAP_SOURCE})
+elseif(KIND STREQUAL "default_build")
+  run(configure ${CMAKE_COMMAND} -S ${ALCAP_SOURCE} -B ${WORK}/build ${settings}
+    -D ALCAP_BUILD_TESTS=OFF -D ALCAP_BUILD_APPS=OFF)
+  file(STRINGS ${WORK}/build/compile_commands.json commands REGEX "\"command\":.*src/base/version.cpp")
+  if(NOT commands MATCHES " -O3 .*-DNDEBUG")
+    message(FATAL_ERROR "a configure without a build type does not optimise: ${commands}")
+  endif()
+  message(STATUS "default flags: ok")
+  return()
+endif()
+run(build ${CMAKE_COMMAND} --build ${WORK}/build --config ${CONFIG})
+run(run ${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/build/consumer)
+message(STATUS "${output}")

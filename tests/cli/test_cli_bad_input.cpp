@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+//
+// test_cli_bad_input.cpp: every kind of bad input gets its documented exit code, one line on stderr that names the
+// element and the remedy, the same as JSON, and leaves nothing behind; what can work, works.
+#include <doctest/doctest.h>
+
+#include "tests/cli/cli_runner.h"
+
+using namespace alcap;
+using test::CliFolder;
+using test::CliResult;
+using test::Json;
+
+namespace {
+
+constexpr const char* tetrahedron_vertices = "v 1 1 1\nv 1 -1 -1\nv -1 1 -1\nv -1 -1 1\n";
+constexpr const char* tetrahedron_faces = "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+
+struct BadInput {
+  const char* what;
+  std::string name;   // of the file
+  std::string bytes;  // empty name of a defect: the file itself cannot be read
+  int exit;
+  std::string kind;                // "input" or "mesh"
+  std::string defect;              // for meshes
+  std::vector<std::string> words;  // that the message must have
+};
+
+std::vector<BadInput> bad_inputs() {
+  const std::string v = tetrahedron_vertices, f = tetrahedron_faces;
+  return {
+      {"empty file", "a.obj", "", 3, "input", "", {"a.obj", "empty"}},
+      {"not a number", "a.obj", "v 1 1 1x\nv 1 -1 -1\nv -1 1 -1\nf 1 2 3\n", 3, "input", "", {"a.obj", "1x"}},
+      {"NaN", "a.obj", "v 1 1 nan\nv 1 -1 -1\nv -1 1 -1\nf 1 2 3\n", 3, "input", "", {"a.obj", "nan"}},
+      {"infinity", "a.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", 3, "input", "", {"a.off", "inf"}},
+      {"number beyond double", "a.obj", "v 1e999 1 1\nv 1 -1 -1\nv -1 1 -1\nf 1 2 3\n", 3, "input", "", {"1e999"}},
+      {"index out of range", "a.obj", v + "f 1 2 9\n", 3, "input", "", {"vertex 8", "4 vertices"}},
+      {"index zero", "a.obj", v + "f 0 1 2\n", 3, "input", "", {"0"}},
+      {"cut", "a.off", "OFF\n4 4 0\n1 1 1\n1 -1 -1\n", 3, "input", "", {"a.off"}},
+      {"no faces", "a.obj", v, 3, "input", "", {"face"}},
+      {"garbage", "a.xyz", "hello\nworld\n", 3, "input", "", {"a.xyz"}},
+      {"repeated vertex", "a.obj", v + "f 1 2 2\n", 4, "mesh", "repeated_vertex_in_face", {"0", "delete"}},
+      {"duplicate face", "a.obj", v + f + "f 2 3 1\n", 4, "mesh", "duplicate_face", {"4", "delete"}},
+      {"non-manifold edge", "a.obj", v + "v 5 5 5\n" + f + "f 2 1 5\n", 4, "mesh", "non_manifold_edge", {"(0, 1)"}},
+      {"bow-tie",
+       "a.obj",
+       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n",
+       4,
+       "mesh",
+       "non_manifold_vertex",
+       {"0", "copy"}},
+      {"inconsistent orientation",
+       "a.obj",
+       v + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 3 4\n",
+       4,
+       "mesh",
+       "inconsistent_orientation",
+       {"--repair orient"}},
+      {"Moebius strip",
+       "a.obj",
+       "v 1 0 0\nv 1 0 1\nv 0 1 0\nv 0 1 1\nv -1 0 0\nv -1 0 1\nf 1 2 3\nf 3 2 4\nf 3 4 5\nf 5 4 6\nf 5 6 2\nf 2 6 1\n",
+       4,
+       "mesh",
+       "not_orientable",
+       {"one-sided"}},
+      {"zero-length edge", "a.obj", "v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n", 4, "mesh", "zero_length_edge", {"(1, 2)"}},
+      {"zero area", "a.obj", "v 0 0 0\nv 1 0 0\nv 3 0 0\nf 1 2 3\n", 4, "mesh", "zero_area_face", {"line"}},
+  };
+}
+
+}  // namespace
+
+TEST_CASE("each kind of bad input is refused by name, with its exit code, and leaves nothing behind") {
+  for (const BadInput& bad : bad_inputs()) {
+    CAPTURE(bad.what);
+    const CliFolder folder;
+    folder.write(bad.name, bad.bytes);
+    const auto before = folder.files();
+    const CliResult result = folder.run("field " + bad.name + " -o out --report r.json --json");
+    CAPTURE(result.err);
+    CHECK(result.exit == bad.exit);
+    CHECK(folder.files() == before);
+    // One line for people ...
+    CHECK(std::count(result.err.begin(), result.err.end(), '\n') == 1);
+    for (const std::string& word : bad.words) {
+      CAPTURE(word);
+      CHECK(result.error_says(word));
+    }
+    // ... and the same for programs.
+    const Json report = result.json();
+    CHECK(report["ok"] == false);
+    CHECK(report["command"] == "field");
+    CHECK(report["error"]["exit_code"] == bad.exit);
+    CHECK(report["error"]["kind"] == bad.kind);
+    CHECK(result.error_says(report["error"]["message"].get<std::string>()));
+    if (!bad.defect.empty()) {
+      CHECK(report["error"]["defect"] == bad.defect);
+      CHECK(report["error"]["count"] >= 1);
+      CHECK(!report["error"]["first"].empty());
+    }
+  }
+}
+
+TEST_CASE("info works on every mesh that can be read, lists the defects, and exits with 4") {
+  for (const BadInput& bad : bad_inputs()) {
+    if (bad.exit != 4) continue;
+    CAPTURE(bad.what);
+    const CliFolder folder;
+    folder.write(bad.name, bad.bytes);
+    const CliResult result = folder.run("info " + bad.name + " --json");
+    CHECK(result.exit == 4);
+    const Json report = result.json();
+    CHECK(report["ok"] == false);
+    bool named = false;
+    for (const Json& d : report["defects"]) named = named || d["defect"] == bad.defect;
+    CHECK(named);
+    CHECK(report["mesh"]["faces"] == std::count(bad.bytes.begin(), bad.bytes.end(), 'f'));
+  }
+}
+
+TEST_CASE("a missing file, a folder and a file cut in a binary block are input errors") {
+  const CliFolder folder;
+  std::filesystem::create_directory(folder.work() / "dir.obj");
+  folder.write("whole.ply", icosphere(1));
+  const std::string whole = CliFolder::read(folder.work() / "whole.ply");
+  folder.write("cut.ply", whole.substr(0, whole.size() - 7));
+  for (const char* name : {"missing.obj", "dir.obj", "cut.ply"}) {
+    CAPTURE(name);
+    const CliResult result = folder.run(std::string("field ") + name + " -o out --json");
+    CHECK(result.exit == 3);
+    CHECK(result.error_says(name));
+    CHECK(result.json()["error"]["path"] == name);
+  }
+  CHECK(folder.files() == std::set<std::string>{"dir.obj", "whole.ply", "cut.ply"});
+}
+
+TEST_CASE("--repair orient turns the wrong faces and the field comes out") {
+  const CliFolder folder;
+  folder.write("a.obj", std::string(tetrahedron_vertices) + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 3 4\n");
+  CHECK(folder.run("info a.obj --json").json()["repairs_that_help"] == Json{"orient"});
+  const CliResult result = folder.run("field a.obj --repair orient --json");
+  CHECK(result.exit == 0);
+  CHECK(result.json()["mesh"]["euler"] == 2);
+  CHECK(result.json()["singularities"]["index_sum"] == 8);
+}
+
+TEST_CASE("a triangle soup works as separate pieces with a warning, and whole after --repair weld") {
+  const Surface whole = icosphere(0);
+  Surface soup;
+  soup.V.resize(3 * whole.F.rows(), 3);
+  soup.F.resize(whole.F.rows(), 3);
+  for (Index t = 0; t < whole.F.rows(); ++t) {
+    for (int c = 0; c < 3; ++c) {
+      soup.V.row(3 * t + c) = whole.V.row(whole.F(t, c));
+      soup.F(t, c) = 3 * t + c;
+    }
+  }
+  const CliFolder folder;
+  folder.write("soup.obj", soup);
+  const Json pieces = folder.run("field soup.obj --json").json();
+  CHECK(pieces["ok"] == true);
+  CHECK(pieces["mesh"]["components"] == 20);
+  CHECK(pieces["components"].size() == 20);
+  REQUIRE(pieces["warnings"].size() == 1);
+  CHECK(pieces["warnings"][0]["code"] == "separate_pieces");
+  CHECK(pieces["warnings"][0]["count"] == 48);
+  CHECK(pieces["warnings"][0]["message"].get<std::string>().find("--repair weld") != std::string::npos);
+
+  const Json welded = folder.run("field soup.obj --repair weld --json").json();
+  CHECK(welded["mesh"]["components"] == 1);
+  CHECK(welded["mesh"]["euler"] == 2);
+  CHECK(welded["singularities"]["index_sum"] == 8);
+  for (const Json& w : welded["warnings"]) CHECK(w["code"] == "unreferenced_vertices");
+}
+
+TEST_CASE("unreferenced vertices are reported and do no harm") {
+  const CliFolder folder;
+  Surface sphere = icosphere(1);
+  folder.write("plain.obj", sphere);
+  Positions<double> more(sphere.V.rows() + 3, 3);
+  more << sphere.V, Positions<double>::Constant(3, 3, 100.0);
+  sphere.V = more;
+  folder.write("more.obj", sphere);
+  const Json plain = folder.run("field plain.obj --json").json(), extra = folder.run("field more.obj --json").json();
+  CHECK(extra["ok"] == true);
+  CHECK(extra["mesh"]["unreferenced_vertices"] == 3);
+  CHECK(extra["mesh"]["euler"] == 2);
+  REQUIRE(extra["warnings"].size() == 1);
+  CHECK(extra["warnings"][0]["code"] == "unreferenced_vertices");
+  CHECK(extra["warnings"][0]["first"] == Json{42, 43, 44});
+  CHECK(extra["eigen"]["lambda"].get<double>() ==
+        doctest::Approx(plain["eigen"]["lambda"].get<double>()).epsilon(1e-9));
+}
+
+TEST_CASE("the content decides what a file is, not its extension; quads are triangulated or refused") {
+  const CliFolder folder;
+  folder.write("a.ply", std::string(tetrahedron_vertices) + tetrahedron_faces);
+  CHECK(folder.run("field a.ply --json").json()["input"]["format"] == "obj");
+  folder.write("quad.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  const Json report = folder.run("field quad.obj --json").json();
+  CHECK(report["mesh"]["faces"] == 2);
+  CHECK(report["input"]["polygons_triangulated"] == true);
+  CHECK(folder.run("field quad.obj --refuse-polygons").exit == 3);
+}

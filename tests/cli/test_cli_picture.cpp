@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: MIT
+//
+// `alcap field --png` and `--curves`: pictures that show what they should, and the errors around them.
+#include <doctest/doctest.h>
+
+#ifdef ALCAP_TEST_PNG
+#include <png.h>
+#endif
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "tests/cli/cli_runner.h"
+
+namespace alcap::test {
+namespace {
+
+#ifdef ALCAP_TEST_PNG
+struct Image {
+  int width = 0, height = 0;
+  std::vector<unsigned char> bytes;  // RGB
+  [[nodiscard]] const unsigned char* at(int x, int y) const {
+    return &bytes[3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x))];
+  }
+  /// Share of the pixels for which the test holds.
+  template <class Test>
+  [[nodiscard]] double share(Test&& test) const {
+    double count = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) count += test(at(x, y));
+    return count / (width * height);
+  }
+};
+
+Image read_png(const std::filesystem::path& file) {
+  png_image header = {};
+  header.version = PNG_IMAGE_VERSION;
+  REQUIRE(png_image_begin_read_from_file(&header, file.c_str()));
+  header.format = PNG_FORMAT_RGB;
+  Image image{static_cast<int>(header.width), static_cast<int>(header.height), {}};
+  image.bytes.resize(PNG_IMAGE_SIZE(header));
+  REQUIRE(png_image_finish_read(&header, nullptr, image.bytes.data(), 0, nullptr));
+  return image;
+}
+
+bool light(const unsigned char* c) { return c[0] > 225 && c[1] > 225 && c[2] > 225; }
+bool dark(const unsigned char* c) { return c[0] < 120 && c[1] < 120 && c[2] < 130; }
+bool orange(const unsigned char* c) { return c[0] > 140 && c[0] > c[1] + 60 && c[1] > c[2]; }
+bool blue(const unsigned char* c) { return c[2] > 110 && c[2] > c[0] + 70; }
+#endif
+
+/// Whether this machine makes pictures; when it does not, that is said and nothing is left behind.
+bool pictures(const CliFolder& folder) {
+  folder.write("ball.off", icosphere(2));
+  const CliResult r = folder.run("field ball.off --png probe.png --png-size 64,64 -q");
+  if (r.exit == 0) return true;
+  CHECK(r.exit == 6);
+  CHECK(r.error_says("apt-get install"));
+  CHECK(folder.files().count("probe.png") == 0);
+#ifdef ALCAP_TEST_PNG
+  MESSAGE("SKIPPED: no picture was looked at, because there is no OpenGL here: " << r.err);
+#else
+  MESSAGE("SKIPPED: no picture was looked at: built without");
+#endif
+  return false;
+}
+
+TEST_CASE("A picture shows the mesh in its middle, curves on it and singularities of both signs") {
+  const CliFolder folder;
+  if (!pictures(folder)) return;
+#ifdef ALCAP_TEST_PNG
+  // A torus under a bad field has singularities of both signs; a bumpy ball has more than its eight.
+  folder.write("bumpy.off", bumpy_sphere(4, 0.5, 4));
+  const CliResult r = folder.run("field bumpy.off -n 4 --png a.png --png-size 400,300 --json");
+  REQUIRE(r.exit == 0);
+  const Json report = r.json();
+  CHECK(report["files"].back() == "a.png");
+  REQUIRE(report["singularities"]["negative"] > 0);
+  const Image image = read_png(folder.work() / "a.png");
+  CHECK(image.width == 400);
+  CHECK(image.height == 300);
+  for (const int x : {0, 399})
+    for (const int y : {0, 299}) CHECK(light(image.at(x, y)));
+  const double mesh = image.share([](const unsigned char* c) { return !light(c); });
+  CHECK(mesh > 0.25);
+  CHECK(mesh < 0.75);
+  CHECK(image.share(dark) > 0.02);  // curves
+  CHECK(image.share(dark) < 0.5 * mesh);
+  CHECK(image.share(orange) > 2e-4);
+  CHECK(image.share(blue) > 2e-4);
+#endif
+}
+
+TEST_CASE("The same command makes the same picture; the view and the spacing change it") {
+  const CliFolder folder;
+  if (!pictures(folder)) return;
+  folder.write("bumpy.off", bumpy_sphere(3, 0.3, 3));
+  const auto picture = [&](const std::string& options) {
+    REQUIRE(folder.run("field bumpy.off --png p.png --png-size 200,150 " + options).exit == 0);
+    return CliFolder::read(folder.work() / "p.png");
+  };
+  const std::string first = picture("");
+  CHECK(picture("") == first);
+  CHECK(picture("--view 120,-30") != first);
+  CHECK(picture("--up z") != first);
+  CHECK(picture("--curve-spacing 0.1") != first);
+}
+
+TEST_CASE("Pictures of the smallest, the flat and the wide") {
+  const CliFolder folder;
+  if (!pictures(folder)) return;
+  folder.write("one.off", single_triangle());
+  folder.write("flat.off", grid(20, 2, 10, 1));
+  for (const char* mesh : {"one.off", "flat.off"})
+    for (const char* n : {"1", "2", "4"})
+      for (const char* view : {"0,0", "90,0", "0,90"}) {
+        CAPTURE(mesh);
+        CAPTURE(view);
+        CHECK(folder.run(std::string("field ") + mesh + " -n " + n + " --png p.png --png-size 64,16 --view " + view)
+                  .exit == 0);
+      }
+}
+
+TEST_CASE("Curves are written in every format, on the surface, with the reasons of their ends") {
+  const CliFolder folder;
+  folder.write("ball.off", icosphere(3));
+  for (const char* format : {"json", "obj", "vtp"}) {
+    const CliResult r = folder.run(std::string("field ball.off -n 2 --curve-spacing 0.05 --json --curves c.") + format);
+    REQUIRE(r.exit == 0);
+    CHECK(r.json()["files"] == Json::array({std::string("c.") + format}));
+  }
+  const Json curves = folder.read_json("c.json");
+  CHECK(curves["n"] == 2);
+  CHECK(curves["curves"].size() > 10);
+  std::size_t points = 0;
+  for (const Json& curve : curves["curves"]) {
+    points += curve["points"].size();
+    CHECK(curve["faces"].size() == curve["points"].size());
+    CHECK(curve["end"] != "seed");
+    for (const Json& p : curve["points"]) {
+      const double r = std::hypot(p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
+      CHECK(r > 0.97);
+      CHECK(r <= 1 + 1e-12);
+    }
+  }
+  std::istringstream obj(CliFolder::read(folder.work() / "c.obj"));
+  std::size_t vertices = 0, lines = 0, ends = 0;
+  for (std::string line; std::getline(obj, line);) {
+    vertices += line.starts_with("v ");
+    if (!line.starts_with("l ")) continue;
+    ++lines;
+    std::istringstream words(line.substr(2));
+    for (std::size_t i = 0; words >> i;) CHECK(i == ++ends);
+  }
+  CHECK(vertices == points);
+  CHECK(ends == points);
+  CHECK(lines == curves["curves"].size());
+}
+
+TEST_CASE("What cannot be written is said before anything is computed") {
+  const CliFolder folder;
+  folder.write("ball.off", icosphere(1));
+  CHECK(folder.run("field ball.off --png p.jpg").exit == 2);
+  CHECK(folder.run("field ball.off --curves c.txt").error_says(".vtp"));
+  CHECK(folder.run("field ball.off --png-size 0,10 --png p.png").exit == 2);
+  CHECK(folder.run("field ball.off --curve-spacing 0 --png p.png").exit == 2);
+  CHECK(folder.run("field ball.off --up x --png p.png").exit == 2);
+  CHECK(folder.run("field ball.off --curves nowhere/c.obj").exit == 6);
+  CHECK(folder.run("field ball.off --png nowhere/p.png").exit == 6);
+  CHECK(folder.files() == std::set<std::string>{"ball.off"});
+}
+
+}  // namespace
+}  // namespace alcap::test

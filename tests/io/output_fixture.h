@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: MIT
+//
+// output_fixture.h: a surface with all that a FieldOutput refers to, and a folder to write into, for the tests of
+// output.
+#pragma once
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "src/base/random.h"
+#include "alcap/generators.h"
+#include "alcap/output.h"
+
+namespace alcap::test {
+
+namespace fs = std::filesystem;
+
+// A new folder that goes away with the object.
+struct Folder {
+  fs::path path;
+  Folder() {
+    std::string name = (fs::temp_directory_path() / "alcap-output-XXXXXX").string();
+    REQUIRE(::mkdtemp(name.data()) != nullptr);
+    path = name;
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  ~Folder() { fs::remove_all(path); }
+
+  [[nodiscard]] std::set<std::string> names() const {
+    std::set<std::string> out;
+    for (const auto& entry : fs::directory_iterator(path)) out.insert(entry.path().filename().string());
+    return out;
+  }
+};
+
+inline std::string contents(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  REQUIRE(in.is_open());
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+// A surface with everything that a FieldOutput refers to.
+struct Case {
+  Surface surface;
+  Mesh mesh;
+  Geometry<double> geometry;
+  Connection<double> connection;
+  Field<double> field;
+  std::vector<Singularity> singularities;
+  std::vector<double> extra;
+  std::vector<FaceScalars> scalars;
+
+  Case(Surface s, int n) : surface(std::move(s)) {
+    mesh = Mesh(surface.F, surface.V.rows());
+    geometry = Geometry<double>(mesh, surface.V);
+    connection = locally_optimal(mesh, geometry);
+    field.n = n;
+    field.u = ComplexVectorX<double>::Zero(mesh.vertices());
+    field.frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, surface.V, connection));
+  }
+  void randomise(std::uint64_t seed) {
+    detail::Random random(seed);
+    for (Index v = 0; v < mesh.vertices(); ++v) {
+      if (mesh.referenced(v)) field.u[v] = std::polar(std::exp(random.uniform(-30, 30)), random.uniform(-4, 4));
+    }
+    singularities = find_singularities(mesh, geometry, connection, field);
+  }
+  // The cross-field-like pattern u = (unit position in the plane)^n of a flat mesh around the origin; zero there.
+  void radial(bool mirrored) {
+    Positions<double> d = surface.V;
+    for (Index v = 0; v < mesh.vertices(); ++v) {
+      if (mirrored) d(v, 1) = -d(v, 1);
+    }
+    field = from_vectors(field.n, d, field.frames);
+  }
+  [[nodiscard]] FieldOutput output() const {
+    return {.mesh = mesh,
+            .V = surface.V,
+            .geometry = geometry,
+            .connection = connection,
+            .field = field,
+            .singularities = singularities,
+            .face_scalars = scalars};
+  }
+};
+
+// Vertices 0, one in the middle and the last are used by no face.
+inline Surface with_unreferenced(const Surface& s) {
+  const Eigen::Index half = s.V.rows() / 2;
+  Surface out;
+  out.V.resize(s.V.rows() + 3, 3);
+  out.V.row(0) << 9, 9, 9;
+  out.V.middleRows(1, half) = s.V.topRows(half);
+  out.V.row(half + 1) << -7, 0.1, 1e-9;
+  out.V.middleRows(half + 2, s.V.rows() - half) = s.V.bottomRows(s.V.rows() - half);
+  out.V.row(out.V.rows() - 1) << 0, 0, 0;
+  out.F = s.F.unaryExpr([&](Index v) { return static_cast<Index>(v < half ? v + 1 : v + 2); });
+  return out;
+}
+
+}  // namespace alcap::test

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+//
+// solver_fixture.h: the matrices of smoothest fields on a mesh, and random right-hand sides, for the tests of solvers.
+#pragma once
+
+#include <complex>
+#include <utility>
+
+#include "alcap/connection.h"
+#include "src/base/random.h"
+#include "alcap/energies.h"
+#include "alcap/solve.h"
+#include "tests/support/mesh_case.h"
+
+namespace alcap::test {
+
+using Z = std::complex<double>;
+using Hermitian = SparseMatrix<Z>;
+using Dense = MatrixX<Z>;
+
+struct Problem {
+  Hermitian S, M;
+  double area = 0;
+
+  /// 2 S + weight / area M, positive definite for weights that are.
+  [[nodiscard]] Hermitian shifted(double weight = 1) const { return 2.0 * S + weight / area * M; }
+};
+
+inline Problem problem_of(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
+                          int n) {
+  auto matrices = stiffness_and_mass(mesh, HermitianPattern(mesh), geometry, connection, n);
+  return {.S = std::move(matrices.S), .M = std::move(matrices.M), .area = geometry.total_area()};
+}
+
+inline Problem problem_of(const MeshCase& s, const Connection<double>& connection, int n) {
+  return problem_of(s.mesh, s.geometry, connection, n);
+}
+
+/// With the polar connection.
+inline Problem problem_of(Surface surface, int n) {
+  const MeshCase s(std::move(surface));
+  return problem_of(s, polar(s.mesh, s.geometry), n);
+}
+
+inline Dense random_dense(Eigen::Index rows, Eigen::Index cols, std::uint64_t seed) {
+  detail::Random random(seed);
+  Dense X(rows, cols);
+  for (Z& z : X.reshaped()) {
+    const double re = random.uniform(-1, 1);
+    z = {re, random.uniform(-1, 1)};
+  }
+  return X;
+}
+
+/// |S u - lambda M u| / (max(lambda, 1 / area) |M u|), as reports define it.
+inline double true_residual(const Hermitian& S, const Hermitian& M, double area, const EigenResult& r) {
+  const ComplexVectorX<double> Mu = M * r.u;
+  return (S * r.u - r.report.lambda * Mu).norm() / (std::max(r.report.lambda, 1 / area) * Mu.norm());
+}
+inline double true_residual(const Problem& p, const EigenResult& r) { return true_residual(p.S, p.M, p.area, r); }
+
+}  // namespace alcap::test
