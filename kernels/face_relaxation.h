@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // face_relaxation.h: the energy D_T + detail D_E of one face, or of two that share an edge, after their own unknowns
-// have moved to the optimum (LTGD 2016, Sec. 5.3). Unknowns, energy and units: src/connection/global/correction_system.h.
+// have moved to the optimum (LTGD 2016, Sec. 5.3). Unknowns, energy and units:
+// src/connection/global/correction_system.h.
 //
 // A face sees mean, difference and tau on its halfedges k = 0, 1, 2 (corner k at the tail of halfedge k) and answers
 // with the forces, half of the energy's derivatives with respect to them. Below v[0] are means, v[1] differences, v[2]

@@ -16,7 +16,7 @@ void declare(const perf::Plan& plan) {
     perf::timed(state, threads, [&] { benchmark::DoNotOptimize(HermitianPattern(p.mesh)); });
   });
   perf::add(plan, "assembly", "n:4", [](benchmark::State& state, const Prepared& p, int threads) {
-    const Connection<double>& c = p.connection();
+    const Connection& c = p.connection();
     const HermitianPattern pattern(p.mesh);
     perf::timed(state, threads,
                 [&] { benchmark::DoNotOptimize(stiffness_and_mass(p.mesh, pattern, p.geometry, c, 4)); });

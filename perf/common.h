@@ -25,9 +25,9 @@
 
 #include "alcap/connection.h"
 #include "alcap/energies.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
 #include "perf/spheres.h"
+#include "src/base/parallel.h"
 
 #ifdef __GLIBC__
 #include <malloc.h>
@@ -69,20 +69,20 @@ class Prepared {
  public:
   Surface surface;
   Mesh mesh;
-  Geometry<double> geometry;
+  Geometry geometry;
   explicit Prepared(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
 
   /// Globally optimal.
-  [[nodiscard]] const Connection<double>& connection() const {
-    if (!connection_) connection_ = std::make_unique<Connection<double>>(globally_optimal(mesh, geometry));
+  [[nodiscard]] const Connection& connection() const {
+    if (!connection_) connection_ = std::make_unique<Connection>(globally_optimal(mesh, geometry));
     return *connection_;
   }
   /// Of the global connection; the last degree is kept.
-  [[nodiscard]] const StiffnessMass<double>& matrices(int n) const {
+  [[nodiscard]] const StiffnessMass& matrices(int n) const {
     if (!matrices_ || degree_ != n) {
       matrices_.reset();
-      matrices_ = std::make_unique<StiffnessMass<double>>(
-          stiffness_and_mass(mesh, HermitianPattern(mesh), geometry, connection(), n));
+      matrices_ =
+          std::make_unique<StiffnessMass>(stiffness_and_mass(mesh, HermitianPattern(mesh), geometry, connection(), n));
       degree_ = n;
     }
     return *matrices_;
@@ -103,8 +103,8 @@ class Prepared {
   }
 
  private:
-  mutable std::unique_ptr<Connection<double>> connection_;
-  mutable std::unique_ptr<StiffnessMass<double>> matrices_;
+  mutable std::unique_ptr<Connection> connection_;
+  mutable std::unique_ptr<StiffnessMass> matrices_;
   mutable int degree_ = 0;
   mutable std::map<int, double> sweeps_;
 };

@@ -12,7 +12,7 @@ using perf::Prepared;
 void global(benchmark::State& state, const Prepared& p, int threads, double detail) {
   // Of a face, relaxed in a pair mostly, and its 1.06 outer edges in one step: counted from the code.
   constexpr double operations = 280, bytes = 320;
-  Connection<double> c;
+  Connection c;
   const perf::Watermark memory;
   const double seconds =
       perf::timed(state, threads, [&] { c = globally_optimal(p.mesh, p.geometry, {.detail = detail}); });
@@ -23,7 +23,7 @@ void global(benchmark::State& state, const Prepared& p, int threads, double deta
   state.counters["GB/s"] = 1e-9 * bytes * steps / seconds;
   state.counters["its"] = c.report.iterations;
   state.counters["converged"] = c.report.converged ? 1 : 0;
-  const auto force = [&](const Connection<double>& at, Index h) {
+  const auto force = [&](const Connection& at, Index h) {
     const Index t = Mesh::face(h), k = h - 3 * t;
     double out = 0;
     for (Index j = 0; j < 3; ++j) {
@@ -35,7 +35,7 @@ void global(benchmark::State& state, const Prepared& p, int threads, double deta
     }
     return out;
   };
-  const auto norm = [&](const Connection<double>& at) {
+  const auto norm = [&](const Connection& at) {
     double sum = 0;
     for (Index e = 0; e < p.mesh.edges(); ++e) {
       const Index h = p.mesh.halfedge(e), g = p.mesh.twin(h);

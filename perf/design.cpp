@@ -11,7 +11,7 @@ namespace {
 using namespace alcap;
 using perf::Prepared;
 
-Designer make_designer(const Prepared& p, const Connection<double>& c) {
+Designer make_designer(const Prepared& p, const Connection& c) {
   Designer designer(p.mesh, p.surface.V, p.geometry, c, {.n = 4, .guidance_weight = 0.1});
   (void)designer.add(SingularityTarget{.face = p.mesh.faces() / 3, .sign = -1, .orientation = 0.2});
   return designer;
@@ -39,14 +39,14 @@ void declare(const perf::Plan& plan) {
   perf::add(
       plan, "design_prepare", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection<double>& c = p.connection();
+        const Connection& c = p.connection();
         perf::timed(state, threads, [&] { benchmark::DoNotOptimize(make_designer(p, c).solve()); });
       },
       direct);
   perf::add(
       plan, "design_target", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection<double>& c = p.connection();
+        const Connection& c = p.connection();
         Designer designer = make_designer(p, c);
         const ControlId id = designer.add(SingularityTarget{.face = 7});
         DesignResult result = designer.solve();
@@ -63,7 +63,7 @@ void declare(const perf::Plan& plan) {
   perf::add(
       plan, "design_move", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection<double>& c = p.connection();
+        const Connection& c = p.connection();
         Designer designer = make_designer(p, c);
         const ControlId id = designer.add(SingularityTarget{.face = 7});
         DesignResult result = designer.solve();
@@ -80,7 +80,7 @@ void declare(const perf::Plan& plan) {
   perf::add(
       plan, "design_stroke", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection<double>& c = p.connection();
+        const Connection& c = p.connection();
         Designer designer = make_designer(p, c);
         Index start = 3 * (p.mesh.faces() / 2);
         const ControlId id = designer.add(forty_points(p, start));

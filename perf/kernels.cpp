@@ -7,11 +7,11 @@
 #include <cstring>
 #include <utility>
 
-#include "src/simd/triangle_entries.h"
 #include "kernels/edge_operators.h"
 #include "kernels/whitney.h"
 #include "perf/common.h"
 #include "perf/flops.h"
+#include "src/simd/triangle_entries.h"
 
 namespace {
 

@@ -24,21 +24,21 @@ void read(benchmark::State& state, const Prepared& p, int threads, const std::st
 }
 
 // Any field will do: that of u = 1 in the frames of the polar map.
-Field<double> some_field(const Prepared& p, const Connection<double>& c) {
+Field some_field(const Prepared& p, const Connection& c) {
   return {.n = 4,
           .u = ComplexVectorX<double>::Ones(p.mesh.vertices()),
-          .frames = std::make_shared<const Frames<double>>(vertex_frames(p.mesh, p.surface.V, c))};
+          .frames = std::make_shared<const Frames>(vertex_frames(p.mesh, p.surface.V, c))};
 }
 
 void indices(benchmark::State& state, const Prepared& p, int threads) {
-  const Connection<double> c = polar(p.mesh, p.geometry);
-  const Field<double> field = some_field(p, c);
+  const Connection c = polar(p.mesh, p.geometry);
+  const Field field = some_field(p, c);
   perf::timed(state, threads, [&] { benchmark::DoNotOptimize(find_singularities(p.mesh, p.geometry, c, field)); });
 }
 
 void write(benchmark::State& state, const Prepared& p, int threads) {
-  const Connection<double> c = polar(p.mesh, p.geometry);
-  const Field<double> field = some_field(p, c);
+  const Connection c = polar(p.mesh, p.geometry);
+  const Field field = some_field(p, c);
   const std::vector<Singularity> zeros = find_singularities(p.mesh, p.geometry, c, field);
   std::vector<std::filesystem::path> files;
   for (const char* const format : {"ply", "vtp", "rawfield", "rosy"})
@@ -76,10 +76,10 @@ void declare(const perf::Plan& plan) {
     perf::timed(state, threads, [&] { benchmark::DoNotOptimize(find_topology(p.mesh)); });
   });
   perf::add(plan, "geometry", "", [](benchmark::State& state, const Prepared& p, int threads) {
-    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(Geometry<double>(p.mesh, p.surface.V)); });
+    perf::timed(state, threads, [&] { benchmark::DoNotOptimize(Geometry(p.mesh, p.surface.V)); });
   });
   perf::add(plan, "frames", "", [](benchmark::State& state, const Prepared& p, int threads) {
-    const Connection<double> c = polar(p.mesh, p.geometry);
+    const Connection c = polar(p.mesh, p.geometry);
     perf::timed(state, threads, [&] { benchmark::DoNotOptimize(vertex_frames(p.mesh, p.surface.V, c)); });
   });
   perf::add(plan, "indices", "", indices);
@@ -89,8 +89,7 @@ void declare(const perf::Plan& plan) {
       FieldRun run;
       perf::timed(state, threads,
                   [&] { run = run_field(p.surface.V, p.surface.F, {.n = n, .eigen = {.tolerance = 1e-6}}); });
-      const StiffnessMass<double> s =
-          stiffness_and_mass(run.mesh, HermitianPattern(run.mesh), run.geometry, run.connection, n);
+      const StiffnessMass s = stiffness_and_mass(run.mesh, HermitianPattern(run.mesh), run.geometry, run.connection, n);
       state.counters["residual"] = perf::eigen_residual(s.S, s.M, run.field.u);
       state.counters["its"] = run.eigen[0].iterations;
       state.counters["mesh s"] = run.times.mesh;

@@ -10,8 +10,8 @@
 #include <map>
 #include <utility>
 
-#include "src/base/random.h"
 #include "alcap/generators.h"
+#include "src/base/random.h"
 
 namespace alcap::perf {
 

@@ -25,13 +25,11 @@ struct CurvatureOptions {
 /// (Cohen-Steiner, Morvan 2003): every edge bends the surface by its dihedral angle across itself. Curvature is
 /// positive where the surface is convex as seen along its normals. O(F). Zero at unreferenced vertices. Throws
 /// OptionError for odd n or rings < 0.
-[[nodiscard]] Field<double> curvature_field(const Mesh& mesh, const Positions<double>& V,
-                                            const Geometry<double>& geometry, const Connection<double>& connection,
-                                            std::shared_ptr<const Frames<double>> frames,
-                                            const CurvatureOptions& options = {});
+[[nodiscard]] Field curvature_field(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                    const Connection& connection, std::shared_ptr<const Frames> frames,
+                                    const CurvatureOptions& options = {});
 
 /// Root mean square of |u| over the surface, with every vertex weighed by a third of its faces' area.
-[[nodiscard]] double root_mean_square(const Mesh& mesh, const Geometry<double>& geometry,
-                                      const ComplexVectorX<double>& u);
+[[nodiscard]] double root_mean_square(const Mesh& mesh, const Geometry& geometry, const ComplexVectorX<double>& u);
 
 }  // namespace alcap

@@ -29,22 +29,19 @@ class HermitianPattern {
   [[nodiscard]] Index lower(Index e) const { return lower_[e]; }
 
   /// A matrix of this pattern with unset values.
-  template <class T>
-  [[nodiscard]] SparseMatrix<Complex<T>> matrix() const;
+  [[nodiscard]] SparseMatrix<Complex<double>> matrix() const;
 
  private:
   VectorX<Index> outer_, inner_, diagonal_, upper_, lower_;  // not zeroed when they are made, as std::vector is
 };
 
 /// The real symmetric 2V x 2V view of a Hermitian matrix, (re, im) interleaved: entry a + ib becomes [a -b; b a].
-template <class T>
-[[nodiscard]] SparseMatrix<T> real_view(const SparseMatrix<Complex<T>>& A);
+[[nodiscard]] SparseMatrix<double> real_view(const SparseMatrix<Complex<double>>& A);
 
 /// The diagonal block of a block-diagonal A that belongs to `vertices`; local[v] is the place of v in its block. Costs
 /// the block's own entries.
-template <class T>
-[[nodiscard]] SparseMatrix<Complex<T>> diagonal_block(const SparseMatrix<Complex<T>>& A,
-                                                      const std::vector<Index>& vertices,
-                                                      const std::vector<Index>& local);
+[[nodiscard]] SparseMatrix<Complex<double>> diagonal_block(const SparseMatrix<Complex<double>>& A,
+                                                           const std::vector<Index>& vertices,
+                                                           const std::vector<Index>& local);
 
 }  // namespace alcap

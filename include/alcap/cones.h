@@ -25,7 +25,7 @@ struct BalanceOptions {
 /// extremum of the potential L phi = curvature - 2 pi cones - mean (conformal factor; Ben-Chen, Gotsman, Bunin 2008).
 /// Components with boundary get none: their loops take what is left. O(cones) solves with one factorisation. Throws
 /// OptionError for cones that trivial() would refuse.
-[[nodiscard]] std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry<double>& geometry,
+[[nodiscard]] std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry& geometry,
                                               const std::vector<Cone>& cones, const BalanceOptions& options = {});
 
 }  // namespace alcap

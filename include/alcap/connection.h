@@ -63,59 +63,56 @@ struct ConnectionReport {
 };
 
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
-template <class T>
 struct Connection {
   ConnectionKind kind = ConnectionKind::polar;
-  VectorX<T> rho;    ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
-  VectorX<T> rho_e;  ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both ends
-  VectorX<T> rho_t;  ///< 3 #F: rho_{v -> t} per corner
-  VectorX<T> tau;    ///< 3 #F: lifted rotation along halfedge h inside its face
-  VectorX<T> eps;    ///< #E: lifted rotation along the canonical halfedge, within the edge
-  VectorX<T> K;      ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
-  VectorX<T> alpha;  ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
+  VectorX<double> rho;  ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
+  VectorX<double>
+      rho_e;  ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both ends
+  VectorX<double> rho_t;  ///< 3 #F: rho_{v -> t} per corner
+  VectorX<double> tau;    ///< 3 #F: lifted rotation along halfedge h inside its face
+  VectorX<double> eps;    ///< #E: lifted rotation along the canonical halfedge, within the edge
+  VectorX<double> K;      ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
+  VectorX<double> alpha;  ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
   ConnectionReport report;
 
   /// rho_ij along halfedge h = i -> j; antisymmetric.
-  [[nodiscard]] T rho_along(const Mesh& mesh, Index h) const {
+  [[nodiscard]] double rho_along(const Mesh& mesh, Index h) const {
     const Index e = mesh.edge(h);
     return mesh.halfedge(e) == h ? rho[e] : -rho[e];
   }
   /// rho_{vi -> e_ij} for halfedge h = i -> j.
-  [[nodiscard]] T rho_start(const Mesh& mesh, Index h) const {
+  [[nodiscard]] double rho_start(const Mesh& mesh, Index h) const {
     const Index e = mesh.edge(h);
-    return mesh.halfedge(e) == h ? rho_e[2 * std::int64_t{e}] : rho_e[2 * std::int64_t{e} + 1] - pi<T>;
+    return mesh.halfedge(e) == h ? rho_e[2 * std::int64_t{e}] : rho_e[2 * std::int64_t{e} + 1] - pi<double>;
   }
   /// rho_{vj -> e_ij} for halfedge h = i -> j: the direction of h seen at its far end.
-  [[nodiscard]] T rho_end(const Mesh& mesh, Index h) const {
+  [[nodiscard]] double rho_end(const Mesh& mesh, Index h) const {
     const Index e = mesh.edge(h);
-    return mesh.halfedge(e) == h ? rho_e[2 * std::int64_t{e} + 1] : rho_e[2 * std::int64_t{e}] - pi<T>;
+    return mesh.halfedge(e) == h ? rho_e[2 * std::int64_t{e} + 1] : rho_e[2 * std::int64_t{e}] - pi<double>;
   }
   /// eps_ij along halfedge h, antisymmetric.
-  [[nodiscard]] T eps_along(const Mesh& mesh, Index h) const {
+  [[nodiscard]] double eps_along(const Mesh& mesh, Index h) const {
     const Index e = mesh.edge(h);
     return mesh.halfedge(e) == h ? eps[e] : -eps[e];
   }
   /// rho_{e -> t} of halfedge h as the connection sees it: minus the halfedge's direction in its face, plus alpha.
-  [[nodiscard]] T edge_to_face(const Geometry<T>& geometry, Index h) const {
-    return (alpha.size() ? alpha[h] : T(0)) - geometry.direction(h);
+  [[nodiscard]] double edge_to_face(const Geometry& geometry, Index h) const {
+    return (alpha.size() ? alpha[h] : double(0)) - geometry.direction(h);
   }
 };
 
 /// Geodesic polar map (LTGD 2016, Sec. 5.1; Zhang, Mischaikow, Turk 2006; Knoeppel et al. 2013): corner angles scaled
 /// to 2 pi around interior vertices, kept at boundary vertices.
-template <class T>
-[[nodiscard]] Connection<T> polar(const Mesh& mesh, const Geometry<T>& geometry, const PolarOptions& options = {});
+[[nodiscard]] Connection polar(const Mesh& mesh, const Geometry& geometry, const PolarOptions& options = {});
 
 /// Locally optimal (LTGD 2016, Sec. 5.2): the polar map's edges with tau = -K/3 on every halfedge.
-template <class T>
-[[nodiscard]] Connection<T> locally_optimal(const Mesh& mesh, const Geometry<T>& geometry);
+[[nodiscard]] Connection locally_optimal(const Mesh& mesh, const Geometry& geometry);
 
 /// Globally optimal (LTGD 2016, Sec. 5.3): minimises D_T + detail * D_E over all of rho, by conjugate gradients on the
 /// local system left after every face has moved its own corners; O(V), no factorisation. Throws OptionError for bad
 /// options.
-template <class T>
-[[nodiscard]] Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry,
-                                             const GlobalOptions& options = {});
+[[nodiscard]] Connection globally_optimal(const Mesh& mesh, const Geometry& geometry,
+                                          const GlobalOptions& options = {});
 
 /// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a
 /// cross field's quad mesh).
@@ -140,46 +137,39 @@ struct TrivialOptions {
 /// cone vertices. K is zero, to rounding, in every face that touches no cone. One Poisson solve, plus one right-hand
 /// side per generator. The cones of a closed component must sum to its Euler characteristic; with boundary, cones and
 /// loops must. Cones lie at interior vertices. Throws OptionError naming the vertex, the sum and what is missing.
-template <class T>
-[[nodiscard]] Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::vector<Cone>& cones,
-                                    const TrivialOptions& options = {});
+[[nodiscard]] Connection trivial(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
+                                 const TrivialOptions& options = {});
 
 /// Holonomy of a closed strip of faces, in radians: how far a vector has turned after one round.
-template <class T>
-[[nodiscard]] T holonomy(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                         const Loop& strip);
+[[nodiscard]] double holonomy(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                              const Loop& strip);
 
 /// D_T and D_E of any connection under the given options (detail is not applied).
-template <class T>
-void measure_deviation(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options,
-                       Connection<T>& connection);
+void measure_deviation(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options,
+                       Connection& connection);
 
 namespace detail {
 
 /// The lifted state that every construction starts from and the optimisation corrects. Per halfedge h = i -> j of face
 /// t: start = rho_{vi->t} - rho_{vi->e} - rho_{e->t}, end = rho_{vj->t} - rho_{vj->e} - rho_{e->t}; then tau = eps -
 /// start + end, without any modulus.
-template <class T>
 struct LiftedResiduals {
-  VectorX<T> start, end;
+  VectorX<double> start, end;
 };
 
 /// Assembles a connection from the curvature each interior vertex shall have: the corner angles seen are
 /// angle + alpha_h - alpha_prev(h), each takes the share curvature(v) * angle / angle_sum of its vertex's curvature.
 /// With curvature = angle defect and no alpha this is the polar map. `residuals` receives the lifted state.
-template <class T>
-[[nodiscard]] Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry,
-                                             const VectorX<T>& vertex_curvature, const VectorX<T>& alpha,
-                                             PolarCenter center, LiftedResiduals<T>& residuals);
+[[nodiscard]] Connection build_connection(const Mesh& mesh, const Geometry& geometry,
+                                          const VectorX<double>& vertex_curvature, const VectorX<double>& alpha,
+                                          PolarCenter center, LiftedResiduals& residuals);
 
 /// Moves rho_{v->t} so that tau = -K/3.
-template <class T>
-void optimise_locally(const Mesh& mesh, Connection<T>& connection, LiftedResiduals<T>& residuals);
+void optimise_locally(const Mesh& mesh, Connection& connection, LiftedResiduals& residuals);
 
 /// Minimises D_T + detail D_E from here; with `fix_rho` the vertex-to-vertex rotations (hence every K) stay.
-template <class T>
-void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options, bool fix_rho,
-                       Connection<T>& connection, LiftedResiduals<T>& residuals);
+void optimise_globally(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options, bool fix_rho,
+                       Connection& connection, LiftedResiduals& residuals);
 
 }  // namespace detail
 

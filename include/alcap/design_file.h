@@ -186,8 +186,8 @@ struct DesignControl {
 /// those of the vertices for the connection of the design. Throws OptionError when a direction has no part in the
 /// tangent plane or a stroke cannot be traced.
 [[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh,
-                                                         const Positions<double>& V, const Geometry<double>& geometry,
-                                                         const Frames<double>& frames);
+                                                         const Positions<double>& V, const Geometry& geometry,
+                                                         const Frames& frames);
 
 /// Stable names: "source", "sink", ...
 [[nodiscard]] const char* name(SingularityKind kind);

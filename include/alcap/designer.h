@@ -59,7 +59,7 @@ struct DesignerOptions {
 };
 
 struct DesignResult {
-  Field<double> field;
+  Field field;
   std::vector<ControlReport> controls;  ///< in the order of their ids
   int rows = 0;                         ///< low-rank rows in this solve
   int solves = 0;                       ///< right-hand sides solved for by this call
@@ -72,8 +72,8 @@ class Designer {
  public:
   /// Keeps references: mesh, V, geometry and connection must outlive it. Throws OptionError for bad options, for t not
   /// below lambda_1 and for a system that is singular (a parallel field exists and there is no guidance weight).
-  Designer(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-           const Connection<double>& connection, const DesignerOptions& options = {});
+  Designer(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
+           const DesignerOptions& options = {});
   ~Designer();
   Designer(Designer&&) noexcept;
   Designer& operator=(Designer&&) noexcept;

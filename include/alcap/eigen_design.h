@@ -72,7 +72,7 @@ struct EigenStrokeReport {
 };
 
 struct EigenDesignResult {
-  Field<double> field;                  ///< int |u|^2 = 1 on every component
+  Field field;                          ///< int |u|^2 = 1 on every component
   std::vector<EigenReport> components;  ///< one per component, in the order of topology.h
   std::vector<EigenStrokeReport> strokes;
   std::vector<ControlReport> singularities;  ///< as of designer.h; ids are their positions
@@ -85,9 +85,8 @@ struct EigenDesignResult {
 /// O(factorisation); the derivative along the stroke is the difference quotient of the part across it between the
 /// middles of its pieces (one per face, where the tangent is that of the smooth curve to second order), everything else
 /// is the closed-form basis integrated by three Gauss points per segment.
-[[nodiscard]] EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometry,
-                                             const Connection<double>& connection,
-                                             std::shared_ptr<const Frames<double>> frames,
-                                             const EigenControls& controls, const EigenDesignOptions& options = {});
+[[nodiscard]] EigenDesignResult eigen_design(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                             std::shared_ptr<const Frames> frames, const EigenControls& controls,
+                                             const EigenDesignOptions& options = {});
 
 }  // namespace alcap

@@ -17,36 +17,31 @@
 
 namespace alcap {
 
-template <class T>
 struct StiffnessMass {
-  SparseMatrix<Complex<T>> S, M;
+  SparseMatrix<Complex<double>> S, M;
 };
 
 /// Stiffness S and mass M of degree n (any integer except that |n K| should stay below a few hundred). Parallel,
 /// bitwise independent of threads. Rows of unreferenced vertices are zero.
-template <class T>
-[[nodiscard]] StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pattern,
-                                                  const Geometry<T>& geometry, const Connection<T>& connection, int n);
+[[nodiscard]] StiffnessMass stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pattern,
+                                               const Geometry& geometry, const Connection& connection, int n);
 
 /// C + B: u* (C + B) u = E_A(u) - E_H(u). C sums n K_t / A_t times the face masses, B is the boundary integral of
 /// Im(conj(u) du/ds), the surface on the left (LTGD 2016, eq. 5).
-template <class T>
-[[nodiscard]] SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh& mesh, const HermitianPattern& pattern,
-                                                              const Geometry<T>& geometry,
-                                                              const Connection<T>& connection, int n);
+[[nodiscard]] SparseMatrix<Complex<double>> curvature_and_boundary(const Mesh& mesh, const HermitianPattern& pattern,
+                                                                   const Geometry& geometry,
+                                                                   const Connection& connection, int n);
 
 /// Knoeppel et al. 2013: E_s = (1+s) E_H + (1-s) E_A = S - s (C + B), positive semidefinite for s in [-1, 1].
 /// Adds -s (C + B) to S.
-template <class T>
-void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry<T>& geometry,
-                         const Connection<T>& connection, int n, T s, SparseMatrix<Complex<T>>& S);
+void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry& geometry,
+                         const Connection& connection, int n, double s, SparseMatrix<Complex<double>>& S);
 
 /// E_D, E_A and E_H of a field.
 struct FieldEnergies {
   double dirichlet = 0, antiholomorphic = 0, holomorphic = 0;
 };
-[[nodiscard]] FieldEnergies field_energies(const Mesh& mesh, const Geometry<double>& geometry,
-                                           const Connection<double>& connection, int n,
-                                           const ComplexVectorX<double>& u);
+[[nodiscard]] FieldEnergies field_energies(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                           int n, const ComplexVectorX<double>& u);
 
 }  // namespace alcap

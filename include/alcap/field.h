@@ -14,35 +14,28 @@
 
 namespace alcap {
 
-template <class T>
 struct Field {
   int n = 1;
-  ComplexVectorX<T> u;                      ///< #V, the n-th power of any branch, in vertex frames
-  std::shared_ptr<const Frames<T>> frames;  ///< of the vertices; empty only on surfaces that lie in no space
+  ComplexVectorX<double> u;              ///< #V, the n-th power of any branch, in vertex frames
+  std::shared_ptr<const Frames> frames;  ///< of the vertices; empty only on surfaces that lie in no space
 
   /// Branch k (0 <= k < n) at vertex v: the n-th root of u[v] with argument (arg u + 2 pi k) / n.
-  [[nodiscard]] Complex<T> branch(Index v, int k = 0) const;
+  [[nodiscard]] Complex<double> branch(Index v, int k = 0) const;
   /// Branch k as vectors in space, #V x 3. Throws OptionError when k is out of range or there are no frames.
-  [[nodiscard]] Positions<T> vectors(int k = 0) const;
+  [[nodiscard]] Positions<double> vectors(int k = 0) const;
   /// All n branches side by side, #V x 3n (the layout of raw fields).
-  [[nodiscard]] Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> raw() const;
+  [[nodiscard]] Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> raw() const;
 };
 
 /// The n-direction field of an n-vector field: |u| = 1 wherever u is not zero.
-template <class T>
-[[nodiscard]] Field<T> normalised(Field<T> field);
+[[nodiscard]] Field normalised(Field field);
 
 /// From vectors in space (#V x 3, one branch each; projected to the tangent planes).
-template <class T>
-[[nodiscard]] Field<T> from_vectors(int n, const Positions<T>& vectors, std::shared_ptr<const Frames<T>> frames);
+[[nodiscard]] Field from_vectors(int n, const Positions<double>& vectors, std::shared_ptr<const Frames> frames);
 
 /// The field at the barycenters of the faces in face frames (#F): the closed-form basis of LTGD 2016, Sec. 4.3.
 /// `frames` of the result are those of the faces.
-template <class T>
-[[nodiscard]] Field<T> at_faces(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                                const Field<T>& field, std::shared_ptr<const Frames<T>> face_frames);
-
-extern template struct Field<float>;
-extern template struct Field<double>;
+[[nodiscard]] Field at_faces(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                             const Field& field, std::shared_ptr<const Frames> face_frames);
 
 }  // namespace alcap

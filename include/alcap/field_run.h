@@ -17,9 +17,9 @@
 
 #include "alcap/cones.h"
 #include "alcap/connection.h"
-#include "alcap/smoothest.h"
 #include "alcap/field.h"
 #include "alcap/singularities.h"
+#include "alcap/smoothest.h"
 #include "alcap/topology.h"
 
 namespace alcap {
@@ -83,10 +83,10 @@ struct FieldTimes {
 struct FieldRun {
   Mesh mesh;
   Topology topology;
-  Geometry<double> geometry;
-  Connection<double> connection;
+  Geometry geometry;
+  Connection connection;
   std::vector<Cone> cones;  ///< of a trivial connection, those that were added included
-  Field<double> field;
+  Field field;
   std::vector<EigenReport> eigen;          ///< per component, in the order of topology
   std::vector<int> indices;                ///< #F, in n-ths
   std::vector<IndexSum> index_sums;        ///< per component
@@ -107,16 +107,15 @@ struct FieldRun {
                                   std::vector<Remark>& remarks);
 
 /// The cones that the options describe: balanced if wanted, none unless the connection is trivial. Throws OptionError.
-[[nodiscard]] std::vector<Cone> make_cones(const Mesh& mesh, const Geometry<double>& geometry,
-                                           const FieldRunOptions& options);
+[[nodiscard]] std::vector<Cone> make_cones(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options);
 
 /// The connection that the options describe, with cones = make_cones(). Throws OptionError.
-[[nodiscard]] Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry,
-                                                 const FieldRunOptions& options, const std::vector<Cone>& cones);
+[[nodiscard]] Connection make_connection(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options,
+                                         const std::vector<Cone>& cones);
 
 /// What is worth saying about a mesh that can be used: unreferenced vertices, pieces that only touch, boundary,
 /// slivers.
 [[nodiscard]] std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
-                                               const Geometry<double>& geometry);
+                                               const Geometry& geometry);
 
 }  // namespace alcap

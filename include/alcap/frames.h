@@ -15,34 +15,27 @@
 
 namespace alcap {
 
-template <class T>
 struct Frames {
-  Positions<T> X;  ///< one unit tangent axis per element; zero where the element is not used
-  Positions<T> N;  ///< one unit normal per element; zero where the element is not used
+  Positions<double> X;  ///< one unit tangent axis per element; zero where the element is not used
+  Positions<double> N;  ///< one unit normal per element; zero where the element is not used
 
-  [[nodiscard]] Eigen::Matrix<T, 1, 3> Y(Index element) const;
+  [[nodiscard]] Eigen::Matrix<double, 1, 3> Y(Index element) const;
   /// The tangent vector with component z in the frame of an element.
-  [[nodiscard]] Eigen::Matrix<T, 1, 3> vector(Index element, Complex<T> z) const;
+  [[nodiscard]] Eigen::Matrix<double, 1, 3> vector(Index element, Complex<double> z) const;
   /// The component of the projection of vector w to the tangent plane of an element.
-  [[nodiscard]] Complex<T> component(Index element, const Eigen::Matrix<T, 1, 3>& w) const;
+  [[nodiscard]] Complex<double> component(Index element, const Eigen::Matrix<double, 1, 3>& w) const;
 };
 
 /// Frames of the vertices (#V rows). The normal is the area-weighted mean of the incident faces' normals; X is the axis
 /// that makes the connection's edge directions rho_{v->e} fit the edges' projections best (least squares over the
 /// ring), so turning the gauge of a vertex turns X with it and no vector in space changes.
-template <class T>
-[[nodiscard]] Frames<T> vertex_frames(const Mesh& mesh, const Positions<T>& V, const Connection<T>& connection);
+[[nodiscard]] Frames vertex_frames(const Mesh& mesh, const Positions<double>& V, const Connection& connection);
 
 /// The same, to the last bit, where the geometry of mesh and V is at hand.
-template <class T>
-[[nodiscard]] Frames<T> vertex_frames(const Mesh& mesh, const Positions<T>& V, const Geometry<T>& geometry,
-                                      const Connection<T>& connection);
+[[nodiscard]] Frames vertex_frames(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                   const Connection& connection);
 
 /// Frames of the faces (#F rows): X along halfedge 3 t, N the face's normal.
-template <class T>
-[[nodiscard]] Frames<T> face_frames(const Mesh& mesh, const Positions<T>& V);
-
-extern template struct Frames<float>;
-extern template struct Frames<double>;
+[[nodiscard]] Frames face_frames(const Mesh& mesh, const Positions<double>& V);
 
 }  // namespace alcap

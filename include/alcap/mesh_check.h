@@ -36,27 +36,25 @@ struct DefectReport {
 
 /// All geometric defects of faces with in-range indices: points that are not finite (whether a face uses them or not),
 /// edges between vertices at the same position, faces of area zero that have no such edge (see degenerate()).
-template <class T>
-[[nodiscard]] std::vector<DefectReport> find_defects(const Positions<T>& V, const Eigen::Ref<const Faces>& F);
+[[nodiscard]] std::vector<DefectReport> find_defects(const Positions<double>& V, const Eigen::Ref<const Faces>& F);
 
 /// Throws a report as MeshError.
 [[noreturn]] void throw_defect(const DefectReport& report);
 
 /// Whether the altitude of a triangle over its longest edge is below the rounding of its coordinates, or a coordinate
 /// is not finite. The answer does not depend on the unit of length: everything is measured against the largest extent.
-template <class T>
-[[nodiscard]] bool degenerate(const Eigen::Matrix<T, 1, 3>& a, const Eigen::Matrix<T, 1, 3>& b,
-                              const Eigen::Matrix<T, 1, 3>& c) {
-  Eigen::Matrix<T, 1, 3> ab = b - a, bc = c - b, ca = a - c;
-  const T extent = std::max({ab.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff(), ca.cwiseAbs().maxCoeff()});
-  if (!(extent > 0 && extent <= std::numeric_limits<T>::max())) return true;
+[[nodiscard]] inline bool degenerate(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
+                                     const Eigen::Matrix<double, 1, 3>& c) {
+  Eigen::Matrix<double, 1, 3> ab = b - a, bc = c - b, ca = a - c;
+  const double extent = std::max({ab.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff(), ca.cwiseAbs().maxCoeff()});
+  if (!(extent > 0 && extent <= std::numeric_limits<double>::max())) return true;
   ab /= extent;
   bc /= extent;
   ca /= extent;
-  const T longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
-  const T size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-  const T twice_area = ab.cross(-ca).norm();
-  return !(twice_area > T(4) * std::numeric_limits<T>::epsilon() * (size / extent) * longest);
+  const double longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
+  const double size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  const double twice_area = ab.cross(-ca).norm();
+  return !(twice_area > double(4) * std::numeric_limits<double>::epsilon() * (size / extent) * longest);
 }
 
 /// Faces re-oriented so that neighbours agree: in each component the orientation of its smallest face wins.
@@ -68,11 +66,9 @@ template <class T>
 
 /// Faces that use, for every vertex, the first vertex at exactly the same position: welds triangle soups. Vertices keep
 /// their numbers; the duplicates stay, unreferenced.
-template <class T>
-[[nodiscard]] Faces repair_weld(const Positions<T>& V, const Eigen::Ref<const Faces>& F);
+[[nodiscard]] Faces repair_weld(const Positions<double>& V, const Eigen::Ref<const Faces>& F);
 
 /// How many vertices share their exact position with an earlier one.
-template <class T>
-[[nodiscard]] std::int64_t duplicate_positions(const Positions<T>& V);
+[[nodiscard]] std::int64_t duplicate_positions(const Positions<double>& V);
 
 }  // namespace alcap

@@ -38,37 +38,31 @@ struct OperatorOptions {
 /// F(t,c).
 /// The kernel of P holds the fields without divergence and curl, that of Q those without reflected pair: constants on
 /// flat pieces, usually nothing elsewhere.
-template <class T>
 struct FirstOrderOperators {
   OperatorOptions options;
-  ComplexVectorX<T> p;  ///< 3 #F, units of length
-  ComplexVectorX<T> q;  ///< 3 #F, units of length
+  ComplexVectorX<double> p;  ///< 3 #F, units of length
+  ComplexVectorX<double> q;  ///< 3 #F, units of length
 };
 
 /// Builds P and Q. O(F), parallel, bitwise independent of threads. Edge-based operators of a trivial connection take
 /// values from edges to faces by the connection (alpha) and integrate along the edge's true direction.
-template <class T>
-[[nodiscard]] FirstOrderOperators<T> first_order_operators(const Mesh& mesh, const Geometry<T>& geometry,
-                                                           const Connection<T>& connection,
-                                                           const OperatorOptions& options = {});
+[[nodiscard]] FirstOrderOperators first_order_operators(const Mesh& mesh, const Geometry& geometry,
+                                                        const Connection& connection,
+                                                        const OperatorOptions& options = {});
 
 /// Values per face (#F): sum over the corners c of coefficients[3 t + c] u[F(t,c)]. `coefficients` is p or q.
-template <class T>
-[[nodiscard]] ComplexVectorX<T> apply(const Mesh& mesh, const ComplexVectorX<T>& coefficients,
-                                      const ComplexVectorX<T>& u);
+[[nodiscard]] ComplexVectorX<double> apply(const Mesh& mesh, const ComplexVectorX<double>& coefficients,
+                                           const ComplexVectorX<double>& u);
 
 /// The adjoint, values per vertex (#V) from values per face (#F): the right-hand sides of LTGD 2016, Sec. 7.1. Zero at
 /// unreferenced vertices.
-template <class T>
-[[nodiscard]] ComplexVectorX<T> apply_adjoint(const Mesh& mesh, const ComplexVectorX<T>& coefficients,
-                                              const ComplexVectorX<T>& faces);
+[[nodiscard]] ComplexVectorX<double> apply_adjoint(const Mesh& mesh, const ComplexVectorX<double>& coefficients,
+                                                   const ComplexVectorX<double>& faces);
 
-template <class T>
-using FaceVertexMatrix = Eigen::SparseMatrix<Complex<T>, Eigen::RowMajor, Index>;
+using FaceVertexMatrix = Eigen::SparseMatrix<Complex<double>, Eigen::RowMajor, Index>;
 
 /// p or q as a sparse matrix, #F x #V, columns sorted in each row.
-template <class T>
-[[nodiscard]] FaceVertexMatrix<T> face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<T>& coefficients);
+[[nodiscard]] FaceVertexMatrix face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<double>& coefficients);
 
 /// Energies as sums over faces of squared face means: E_A = 1/2 sum |P u|^2 / A, E_H = 1/2 sum |Q u|^2 / A.
 /// They are lower bounds of the exact energies of energies.h when the operators are triangle-based, and E_A - E_H of an
@@ -78,56 +72,49 @@ struct OperatorEnergies {
   double holomorphic = 0;      ///< E_H, vanishes where the reflected pair does
   [[nodiscard]] double dirichlet() const { return (antiholomorphic + holomorphic) / 2; }  ///< 1/2 integral |grad u|^2
 };
-template <class T>
-[[nodiscard]] OperatorEnergies operator_energies(const Mesh& mesh, const Geometry<T>& geometry,
-                                                 const FirstOrderOperators<T>& operators, const ComplexVectorX<T>& u);
+[[nodiscard]] OperatorEnergies operator_energies(const Mesh& mesh, const Geometry& geometry,
+                                                 const FirstOrderOperators& operators, const ComplexVectorX<double>& u);
 
 /// Flux through halfedge h out of its face, plus i times the circulation along it, of a vector field (n = 1) with
 /// vertex components u. The twin has the negative. The sum over a face's halfedges is the edge-based (P u)_t unless the
 /// connection has adjustment angles (alpha).
-template <class T>
-[[nodiscard]] Complex<T> flux_and_circulation(const Mesh& mesh, const Geometry<T>& geometry,
-                                              const Connection<T>& connection, const ComplexVectorX<T>& u, Index h);
+[[nodiscard]] Complex<double> flux_and_circulation(const Mesh& mesh, const Geometry& geometry,
+                                                   const Connection& connection, const ComplexVectorX<double>& u,
+                                                   Index h);
 
 /// An n-field and its covariant derivatives at a point, in the frame of the face.
-template <class T>
 struct FieldValue {
-  Complex<T> u;       ///< the n-vector
-  Complex<T> d1, d2;  ///< derivatives along the frame's axes, per unit of length
+  Complex<double> u;       ///< the n-vector
+  Complex<double> d1, d2;  ///< derivatives along the frame's axes, per unit of length
 
   /// Derivative along the tangent vector w (a complex number in the face frame).
-  [[nodiscard]] Complex<T> derivative(Complex<T> w) const { return w.real() * d1 + w.imag() * d2; }
+  [[nodiscard]] Complex<double> derivative(Complex<double> w) const { return w.real() * d1 + w.imag() * d2; }
   /// div + i curl, an (n-1)-vector.
-  [[nodiscard]] Complex<T> div_curl() const { return d1 + Complex<T>(d2.imag(), -d2.real()); }
+  [[nodiscard]] Complex<double> div_curl() const { return d1 + Complex<double>(d2.imag(), -d2.real()); }
   /// Reflected div + i reflected curl, an (n+1)-vector.
-  [[nodiscard]] Complex<T> reflected() const { return d1 + Complex<T>(-d2.imag(), d2.real()); }
+  [[nodiscard]] Complex<double> reflected() const { return d1 + Complex<double>(-d2.imag(), d2.real()); }
   /// The Cauchy-Riemann (antiholomorphic) derivative, half of the reflected pair.
-  [[nodiscard]] Complex<T> cauchy_riemann() const { return reflected() / T(2); }
-  [[nodiscard]] T div() const { return div_curl().real(); }
-  [[nodiscard]] T curl() const { return div_curl().imag(); }
+  [[nodiscard]] Complex<double> cauchy_riemann() const { return reflected() / double(2); }
+  [[nodiscard]] double div() const { return div_curl().real(); }
+  [[nodiscard]] double curl() const { return div_curl().imag(); }
   /// |grad u|^2, its integral is twice the Dirichlet energy.
-  [[nodiscard]] T squared_gradient() const { return std::norm(d1) + std::norm(d2); }
+  [[nodiscard]] double squared_gradient() const { return std::norm(d1) + std::norm(d2); }
 };
 
 /// A field inside one face: everything needed to evaluate it there many times.
-template <class T>
 struct FaceField {
-  T n = 1;
-  std::array<T, 3> rho{};            ///< vertex frame to face frame per corner
-  std::array<T, 3> tau{};            ///< lifted rotation per halfedge
-  std::array<Complex<T>, 3> grad{};  ///< gradients of the hat functions in the face frame
-  std::array<Complex<T>, 3> u{};     ///< values at the corners in vertex frames
+  double n = 1;
+  std::array<double, 3> rho{};            ///< vertex frame to face frame per corner
+  std::array<double, 3> tau{};            ///< lifted rotation per halfedge
+  std::array<Complex<double>, 3> grad{};  ///< gradients of the hat functions in the face frame
+  std::array<Complex<double>, 3> u{};     ///< values at the corners in vertex frames
 
   /// The closed-form basis (LTGD 2016, Sec. 4.3) at barycentric coordinates that sum to 1.
-  [[nodiscard]] FieldValue<T> at(const std::array<T, 3>& barycentric) const;
+  [[nodiscard]] FieldValue at(const std::array<double, 3>& barycentric) const;
 };
 
 /// The n-field with vertex components u (#V) inside face t.
-template <class T>
-[[nodiscard]] FaceField<T> face_field(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                                      int n, const ComplexVectorX<T>& u, Index t);
-
-extern template struct FaceField<float>;
-extern template struct FaceField<double>;
+[[nodiscard]] FaceField face_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                   const ComplexVectorX<double>& u, Index t);
 
 }  // namespace alcap

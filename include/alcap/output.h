@@ -40,9 +40,9 @@ struct FaceScalars {
 struct FieldOutput {
   const Mesh& mesh;
   const Positions<double>& V;  ///< #V x 3
-  const Geometry<double>& geometry;
-  const Connection<double>& connection;             ///< the one the field was made with
-  const Field<double>& field;                       ///< per vertex, with frames
+  const Geometry& geometry;
+  const Connection& connection;                     ///< the one the field was made with
+  const Field& field;                               ///< per vertex, with frames
   std::span<const Singularity> singularities = {};  ///< of this field, all of them: find_singularities()
   std::span<const FaceScalars> face_scalars = {};   ///< for .vtp; besides "K" and "index", which are always there
 };
@@ -73,7 +73,7 @@ void write_curves(const CurveSet& curves, int n, const std::filesystem::path& fi
 struct FieldFile {
   Positions<double> V;                                 ///< #V x 3
   Faces F;                                             ///< #F x 3
-  Field<double> field;                                 ///< n, u (#V) and the vertex frames, bit for bit as written
+  Field field;                                         ///< n, u (#V) and the vertex frames, bit for bit as written
   ConnectionKind connection = ConnectionKind::global;  ///< the kind of connection the field was made with
 };
 

@@ -29,33 +29,29 @@ struct IndexSum {
 };
 
 /// Counts of n-ths per face, #F. Where u is exactly zero at a corner its argument counts as 0: sums still hold.
-[[nodiscard]] std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connection,
-                                            const Field<double>& field);
+[[nodiscard]] std::vector<int> face_indices(const Mesh& mesh, const Connection& connection, const Field& field);
 
 /// The count of one face.
-[[nodiscard]] int face_index(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field,
-                             Index t);
+[[nodiscard]] int face_index(const Mesh& mesh, const Connection& connection, const Field& field, Index t);
 
 /// All faces of non-zero index, with position and orientation, in order of faces.
-[[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
-                                                          const Connection<double>& connection,
-                                                          const Field<double>& field);
+[[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry& geometry,
+                                                          const Connection& connection, const Field& field);
 
 /// The same with the counts of face_indices().
-[[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
-                                                          const Connection<double>& connection,
-                                                          const Field<double>& field, const std::vector<int>& indices);
+[[nodiscard]] std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry& geometry,
+                                                          const Connection& connection, const Field& field,
+                                                          const std::vector<int>& indices);
 
 /// Poincare-Hopf, one entry per component. On components with boundary the expected value uses the field's own turns
 /// along the loops, computed from boundary data alone.
-[[nodiscard]] std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,
-                                               const Connection<double>& connection, const Field<double>& field,
-                                               const std::vector<int>& indices, const Topology& topology);
+[[nodiscard]] std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                               const Field& field, const std::vector<int>& indices,
+                                               const Topology& topology);
 
 /// The index of every vertex of a field given per face (at_faces), by Levi-Civita transport across the edges around it:
 /// #V counts of n-ths, what principal matching finds. Zero at boundary vertices and at those that no face uses. On a
 /// closed surface they sum to n chi.
-[[nodiscard]] std::vector<int> vertex_indices(const Mesh& mesh, const Geometry<double>& geometry,
-                                              const Field<double>& face_field);
+[[nodiscard]] std::vector<int> vertex_indices(const Mesh& mesh, const Geometry& geometry, const Field& face_field);
 
 }  // namespace alcap

@@ -24,7 +24,7 @@ struct SmoothestOptions {
 };
 
 struct SmoothestResult {
-  Field<double> field;
+  Field field;
   /// One per connected component of the mesh, in the order of topology.h.
   std::vector<EigenReport> components;
   double assembly_seconds = 0;
@@ -33,15 +33,13 @@ struct SmoothestResult {
 
 /// The smoothest n-vector field: per component the smallest eigenpair of E_s against the mass matrix, with |u|_M = 1.
 /// Throws OptionError for n < 1 or s outside [-1, 1]. Non-convergence is reported, not thrown.
-[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
-                                              const Connection<double>& connection,
-                                              std::shared_ptr<const Frames<double>> frames,
+[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                              std::shared_ptr<const Frames> frames,
                                               const SmoothestOptions& options = {});
 
 /// The same with the topology of the mesh, where the caller has it. The frames may be empty and set afterwards.
-[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
-                                              const Connection<double>& connection, const Topology& topology,
-                                              std::shared_ptr<const Frames<double>> frames,
+[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                              const Topology& topology, std::shared_ptr<const Frames> frames,
                                               const SmoothestOptions& options = {});
 
 }  // namespace alcap

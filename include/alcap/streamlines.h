@@ -84,23 +84,23 @@ struct StreamlineOptions {
 /// space between points whose normals differ by less than a right angle, to within a tenth of `spacing`. Seeds are
 /// taken in a fixed order in rounds, traced in parallel, and accepted in that order. Throws OptionError for bad
 /// options, sizes that do not match, values that are not finite.
-[[nodiscard]] CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                                   const Connection<double>& connection, const Field<double>& field,
+[[nodiscard]] CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                   const Connection& connection, const Field& field,
                                    const StreamlineOptions& options = {});
 
 /// One curve per seed, in order, whatever the distances. A curve whose seed lies at a zero of the field has this one
 /// point. Throws OptionError as above, and naming the seed when it is not a point of the surface.
-[[nodiscard]] CurveSet trace_curves(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                                    const Connection<double>& connection, const Field<double>& field,
-                                    std::span<const CurveSeed> seeds, const StreamlineOptions& options = {});
+[[nodiscard]] CurveSet trace_curves(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                    const Connection& connection, const Field& field, std::span<const CurveSeed> seeds,
+                                    const StreamlineOptions& options = {});
 
 /// The curves that leave singularities straight: from each singularity, in order, one for every direction in which the
 /// field near it points away from its centre, or, for odd n, also towards it. A singularity of index k n-ths has
 /// |n - k| of them (for odd n of either kind) when it is as round as its index allows; a flattened one of positive
 /// index can have more. Where n = k (sources, sinks and centres of vector fields) no direction is special: none. Points
 /// are in the order of tracing, from the singularity.
-[[nodiscard]] CurveSet separatrices(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                                    const Connection<double>& connection, const Field<double>& field,
+[[nodiscard]] CurveSet separatrices(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                    const Connection& connection, const Field& field,
                                     std::span<const Singularity> singularities, const StreamlineOptions& options = {});
 
 }  // namespace alcap

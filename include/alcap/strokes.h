@@ -54,12 +54,11 @@ struct SurfacePolyline {
 /// for fewer than two different ones, and, naming the two points, where the stroke leaves the surface (at a boundary,
 /// or because the two lie on different components or the plane misses the second one: points between them help).
 [[nodiscard]] SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>& V,
-                                                    const Geometry<double>& geometry,
-                                                    const std::vector<SurfacePoint>& points);
+                                                    const Geometry& geometry, const std::vector<SurfacePoint>& points);
 
 /// Along edges. Consecutive vertices that no edge joins are joined by a shortest path of edges (Dijkstra 1959). Throws
 /// OptionError for vertices that no face uses, fewer than two different ones, or two on different components.
-[[nodiscard]] SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry<double>& geometry,
+[[nodiscard]] SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry& geometry,
                                                     const std::vector<Index>& vertices);
 
 /// Closest points on a mesh, by a tree of boxes. O(F log F) to build; queries are const, fit for several threads.
@@ -85,10 +84,9 @@ class SurfaceLocator {
 
 /// A polyline in space (one point a row), each point moved to the closest one of the surface, then as
 /// stroke_through_points(). The second form uses a locator made before.
-[[nodiscard]] SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V,
-                                                const Geometry<double>& geometry, const Positions<double>& points);
-[[nodiscard]] SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V,
-                                                const Geometry<double>& geometry, const SurfaceLocator& locator,
+[[nodiscard]] SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
                                                 const Positions<double>& points);
+[[nodiscard]] SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                                const SurfaceLocator& locator, const Positions<double>& points);
 
 }  // namespace alcap

@@ -65,9 +65,8 @@ struct Topology {
 [[nodiscard]] std::vector<Loop> homology_generators(const Mesh& mesh, const Topology& topology);
 
 /// A part of a mesh as a mesh of its own, and where its elements come from.
-template <class T>
 struct Piece {
-  Positions<T> V;
+  Positions<double> V;
   Faces F;
   /// Number in the whole mesh of each vertex and face of the piece, ascending.
   std::vector<Index> vertices, faces;
@@ -75,12 +74,11 @@ struct Piece {
 
 /// One component as a mesh of its own; elements keep their order. V is #V x 3 with the vertices of `mesh`. O(V + F).
 /// Throws OptionError when there is no such component.
-template <class T>
-[[nodiscard]] Piece<T> extract_component(const Mesh& mesh, const Positions<T>& V, const Topology& topology,
-                                         Index component);
+[[nodiscard]] Piece extract_component(const Mesh& mesh, const Positions<double>& V, const Topology& topology,
+                                      Index component);
 
 /// All components, each as extract_component() gives it, O(V + F) altogether.
-template <class T>
-[[nodiscard]] std::vector<Piece<T>> split_components(const Mesh& mesh, const Positions<T>& V, const Topology& topology);
+[[nodiscard]] std::vector<Piece> split_components(const Mesh& mesh, const Positions<double>& V,
+                                                  const Topology& topology);
 
 }  // namespace alcap

@@ -5,8 +5,8 @@
 // Internal to solvers/.
 #pragma once
 
-#include "solvers/multigrid/hierarchy.h"
 #include "solvers/eigenpair/pencil.h"
+#include "solvers/multigrid/hierarchy.h"
 
 namespace alcap::detail {
 

@@ -12,9 +12,9 @@
 #include <array>
 #include <vector>
 
-#include "src/base/parallel.h"
-#include "solvers/multigrid/level.h"
 #include "solvers/dense/ritz.h"
+#include "solvers/multigrid/level.h"
+#include "src/base/parallel.h"
 
 namespace alcap::detail {
 

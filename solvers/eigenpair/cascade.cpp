@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// cascade.cpp: smallest eigenpair by a cascade: block LOBPCG (Knyazev 2001) on every level of the multigrid hierarchy of
-// S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; on the finest a few
-// steps with the problem's own matrices (lobpcg_finest.h), then one vector in double (lobpcg_refine.h). The other
+// cascade.cpp: smallest eigenpair by a cascade: block LOBPCG (Knyazev 2001) on every level of the multigrid hierarchy
+// of S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; on the finest a
+// few steps with the problem's own matrices (lobpcg_finest.h), then one vector in double (lobpcg_refine.h). The other
 // vectors of the block stay in its basis, so that clusters of eigenvalues (round spheres have 2n + 1 equal ones) do not
 // slow it down; where members of a cluster lie too close for single precision they are refined too (lobpcg_cluster.h).
 //
@@ -14,10 +14,10 @@
 #include <limits>
 #include <string>
 
-#include "src/base/random.h"
-#include "solvers/linear/backends.h"
-#include "solvers/eigenpair/cluster.h"
 #include "solvers/eigenpair/block_descent.h"
+#include "solvers/eigenpair/cluster.h"
+#include "solvers/linear/backends.h"
+#include "src/base/random.h"
 
 namespace alcap::detail {
 namespace {

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/random.h"
-#include "src/base/parallel.h"
-#include "solvers/linear/backends.h"
-#include "solvers/eigenpair/problem.h"
 #include "solvers/dense/ritz.h"
+#include "solvers/eigenpair/problem.h"
+#include "solvers/linear/backends.h"
+#include "src/base/parallel.h"
+#include "src/base/random.h"
 
 namespace alcap::detail {
 namespace {

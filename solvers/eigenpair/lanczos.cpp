@@ -11,8 +11,8 @@
 #include <cmath>
 #include <vector>
 
-#include "solvers/eigenpair/problem.h"
 #include "solvers/eigenpair/lanczos_loop.h"
+#include "solvers/eigenpair/problem.h"
 
 namespace alcap::detail {
 namespace {

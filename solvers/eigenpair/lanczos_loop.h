@@ -12,8 +12,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/linear/backends.h"
 #include "solvers/eigenpair/lanczos_recurrence.h"
+#include "solvers/linear/backends.h"
 
 namespace alcap::detail {
 

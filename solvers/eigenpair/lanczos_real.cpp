@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/eigenpair/problem.h"
 #include "solvers/eigenpair/lanczos_loop.h"
+#include "solvers/eigenpair/problem.h"
 
 namespace alcap::detail {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <array>
 
-#include "solvers/eigenpair/problem.h"
 #include "solvers/eigenpair/block_lobpcg.h"
+#include "solvers/eigenpair/problem.h"
 #include "solvers/multigrid/level.h"
 
 namespace alcap::detail {

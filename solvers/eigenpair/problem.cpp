@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "src/base/random.h"
-#include "src/base/parallel.h"
 #include "solvers/linear/backends.h"
+#include "src/base/parallel.h"
+#include "src/base/random.h"
 
 namespace alcap::detail {
 namespace {

@@ -7,8 +7,8 @@
 #include <new>
 #include <string>
 
-#include "solvers/linear/backends.h"
 #include "solvers/eigenpair/problem.h"
+#include "solvers/linear/backends.h"
 
 namespace alcap {
 namespace {

@@ -7,8 +7,8 @@
 #include <functional>
 
 #include "solvers/eigenpair/block_lobpcg.h"
-#include "solvers/multigrid/hierarchy.h"
 #include "solvers/eigenpair/pencil.h"
+#include "solvers/multigrid/hierarchy.h"
 
 namespace alcap::detail {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// eigen_library_cg.cpp: Eigen's conjugate gradients, preconditioned by its incomplete Cholesky factorisation with as many
-// entries as the matrix (Lin and More 1999). On one thread. Iterations grow with the square root of the number of
+// eigen_library_cg.cpp: Eigen's conjugate gradients, preconditioned by its incomplete Cholesky factorisation with as
+// many entries as the matrix (Lin and More 1999). On one thread. Iterations grow with the square root of the number of
 // vertices, so this is to compare with; it needs the least memory.
 #include <Eigen/IterativeLinearSolvers>
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// eigen_library_ldlt.cpp: Eigen's simplicial LDL^H with AMD ordering. No dependency beyond Eigen; on one thread and without
-// dense blocks, so only for small problems and for embedders who build without CHOLMOD.
+// eigen_library_ldlt.cpp: Eigen's simplicial LDL^H with AMD ordering. No dependency beyond Eigen; on one thread and
+// without dense blocks, so only for small problems and for embedders who build without CHOLMOD.
 #include <Eigen/SparseCholesky>
 #include <cstdint>
 #include <optional>

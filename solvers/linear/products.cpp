@@ -3,8 +3,8 @@
 // products.cpp: matrix-vector products with Hermitian matrices whose both triangles are stored, and residuals.
 #include <cmath>
 
-#include "src/base/parallel.h"
 #include "solvers/linear/backends.h"
+#include "src/base/parallel.h"
 
 namespace alcap {
 

@@ -12,8 +12,8 @@
 #include <cstdint>
 
 #include "alcap/conventions.h"
-#include "src/base/unset_array.h"
 #include "src/base/parallel.h"
+#include "src/base/unset_array.h"
 #include "src/simd/block_kernels.h"
 
 namespace alcap::detail {

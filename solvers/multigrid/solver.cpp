@@ -10,9 +10,9 @@
 #include <new>
 #include <string>
 
-#include "src/base/parallel.h"
 #include "solvers/linear/backends.h"
 #include "solvers/multigrid/hierarchy.h"
+#include "src/base/parallel.h"
 
 namespace alcap::detail {
 namespace {

@@ -19,8 +19,8 @@
 #include <vector>
 
 // ThreadSanitizer cannot find the line of every access in code that was inlined into the scheduler. So bodies have
-// frames of their own there, and tests/support/tsan.supp silences the scheduler by the name of its functions; what it passes to
-// a body, which it synchronises in ways that are not seen, is read without checks.
+// frames of their own there, and tests/support/tsan.supp silences the scheduler by the name of its functions; what it
+// passes to a body, which it synchronises in ways that are not seen, is read without checks.
 #if defined(__SANITIZE_THREAD__)
 #include <sanitizer/tsan_interface.h>
 #define ALCAP_OWN_FRAME [[gnu::noinline]]

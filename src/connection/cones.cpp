@@ -18,7 +18,7 @@ constexpr double multiple_tolerance = 1e-6;
 
 }  // namespace
 
-std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry<double>& geometry, const std::vector<Cone>& cones,
+std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
                                 const BalanceOptions& options) {
   if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
   const Topology topology = find_topology(mesh);

@@ -10,21 +10,19 @@ namespace detail {
 namespace {
 
 // Angle between halfedge 'corner' and the direction from its tail to the barycenter of the face.
-template <class T>
-T barycenter_angle(const Mesh& mesh, const Geometry<T>& geometry, Index corner) {
-  const T first = geometry.length(mesh.edge(corner));
-  const T second = geometry.length(mesh.edge(Mesh::prev(corner)));
-  const T angle = geometry.angle(corner);
+double barycenter_angle(const Mesh& mesh, const Geometry& geometry, Index corner) {
+  const double first = geometry.length(mesh.edge(corner));
+  const double second = geometry.length(mesh.edge(Mesh::prev(corner)));
+  const double angle = geometry.angle(corner);
   return std::atan2(second * std::sin(angle), first + second * std::cos(angle));
 }
 
 // tau = eps - start + end and K = -(sum of tau) over each face.
-template <class T>
-void close_faces(const Mesh& mesh, const LiftedResiduals<T>& r, Connection<T>& c) {
+void close_faces(const Mesh& mesh, const LiftedResiduals& r, Connection& c) {
   c.tau.resize(mesh.halfedges());
   c.K.resize(mesh.faces());
   parallel_for(mesh.faces(), [&](std::int64_t t) {
-    T sum = 0;
+    double sum = 0;
     for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) {
       c.tau[h] = c.eps_along(mesh, h) - r.start[h] + r.end[h];
       sum += c.tau[h];
@@ -35,13 +33,12 @@ void close_faces(const Mesh& mesh, const LiftedResiduals<T>& r, Connection<T>& c
 
 }  // namespace
 
-template <class T>
-Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry, const VectorX<T>& vertex_curvature,
-                               const VectorX<T>& alpha, PolarCenter center, LiftedResiduals<T>& residuals) {
+Connection build_connection(const Mesh& mesh, const Geometry& geometry, const VectorX<double>& vertex_curvature,
+                            const VectorX<double>& alpha, PolarCenter center, LiftedResiduals& residuals) {
   const bool trivial = alpha.size() != 0;
-  const auto alpha_of = [&](Index h) { return trivial ? alpha[h] : T(0); };
+  const auto alpha_of = [&](Index h) { return trivial ? alpha[h] : double(0); };
 
-  Connection<T> c;
+  Connection c;
   c.alpha = alpha;
   c.rho.resize(mesh.edges());
   c.rho_e.resize(2 * std::int64_t{mesh.edges()});
@@ -54,28 +51,28 @@ Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry, co
   parallel_for(mesh.vertices(), [&](std::int64_t i) {
     const Index v = static_cast<Index>(i);
     const bool boundary = mesh.boundary_vertex(v);
-    T direction = 0;
+    double direction = 0;
     Index last = none;
     mesh.for_each_outgoing(v, [&](Index h) {
       const std::int64_t e = mesh.edge(h);
       if (mesh.halfedge(mesh.edge(h)) == h)
         c.rho_e[2 * e] = direction;
       else
-        c.rho_e[2 * e + 1] = direction + pi<T>;
+        c.rho_e[2 * e + 1] = direction + pi<double>;
       const Index p = Mesh::prev(h);
-      const T angle = geometry.angle(h);
-      const T excess = boundary ? T(0) : vertex_curvature[v] * angle / geometry.angle_sum(v);
-      const T seen = angle + alpha_of(h) - alpha_of(p);
+      const double angle = geometry.angle(h);
+      const double excess = boundary ? double(0) : vertex_curvature[v] * angle / geometry.angle_sum(v);
+      const double seen = angle + alpha_of(h) - alpha_of(p);
       // The face's direction lies between its two edges: in the middle of the scaled corner on one side, at `inside`
       // on the other. Both residuals follow without a modulus.
-      const T inside = center == PolarCenter::incenter ? angle / 2 : barycenter_angle(mesh, geometry, h);
+      const double inside = center == PolarCenter::incenter ? angle / 2 : barycenter_angle(mesh, geometry, h);
       residuals.start[h] = excess / 2 + (angle / 2 - inside);
       residuals.end[p] = residuals.start[h] - excess;
       c.rho_t[h] = direction + residuals.start[h] + alpha_of(h) - geometry.direction(h);
       direction += seen + excess;
       last = p;
     });
-    if (boundary) c.rho_e[2 * std::int64_t{mesh.edge(last)} + 1] = direction + pi<T>;
+    if (boundary) c.rho_e[2 * std::int64_t{mesh.edge(last)} + 1] = direction + pi<double>;
   });
   parallel_for(mesh.edges(), [&](std::int64_t e) {
     c.rho[e] = wrap(c.rho_e[2 * e] - c.rho_e[2 * e + 1]);
@@ -85,15 +82,14 @@ Connection<T> build_connection(const Mesh& mesh, const Geometry<T>& geometry, co
   return c;
 }
 
-template <class T>
-void optimise_locally(const Mesh& mesh, Connection<T>& c, LiftedResiduals<T>& r) {
+void optimise_locally(const Mesh& mesh, Connection& c, LiftedResiduals& r) {
   // Fixing each corner in turn makes all tau equal -K/3 (LTGD 2016, eq. 13); the mean of the three solutions turns
   // corner i by (tau_ij - tau_ki) / 3.
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     const Index h = static_cast<Index>(3 * t);
-    const T tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};
+    const double tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};
     for (Index k = 0; k < 3; ++k) {
-      const T turn = (tau[k] - tau[(k + 2) % 3]) / 3;
+      const double turn = (tau[k] - tau[(k + 2) % 3]) / 3;
       c.rho_t[h + k] += turn;
       r.start[h + k] += turn;
       r.end[h + (k + 2) % 3] += turn;
@@ -102,65 +98,46 @@ void optimise_locally(const Mesh& mesh, Connection<T>& c, LiftedResiduals<T>& r)
   close_faces(mesh, r, c);
 }
 
-template Connection<float> build_connection(const Mesh&, const Geometry<float>&, const VectorX<float>&,
-                                            const VectorX<float>&, PolarCenter, LiftedResiduals<float>&);
-template Connection<double> build_connection(const Mesh&, const Geometry<double>&, const VectorX<double>&,
-                                             const VectorX<double>&, PolarCenter, LiftedResiduals<double>&);
-template void optimise_locally(const Mesh&, Connection<float>&, LiftedResiduals<float>&);
-template void optimise_locally(const Mesh&, Connection<double>&, LiftedResiduals<double>&);
-
 }  // namespace detail
 
 namespace {
 
-template <class T>
-VectorX<T> angle_defects(const Mesh& mesh, const Geometry<T>& geometry) {
-  VectorX<T> defects(mesh.vertices());
+VectorX<double> angle_defects(const Mesh& mesh, const Geometry& geometry) {
+  VectorX<double> defects(mesh.vertices());
   parallel_for(mesh.vertices(), [&](std::int64_t v) { defects[v] = geometry.defect(mesh, static_cast<Index>(v)); });
   return defects;
 }
 
-template <class T>
-Connection<T> levi_civita_start(const Mesh& mesh, const Geometry<T>& geometry, PolarCenter center,
-                                detail::LiftedResiduals<T>& residuals) {
-  return detail::build_connection<T>(mesh, geometry, angle_defects(mesh, geometry), {}, center, residuals);
+Connection levi_civita_start(const Mesh& mesh, const Geometry& geometry, PolarCenter center,
+                             detail::LiftedResiduals& residuals) {
+  return detail::build_connection(mesh, geometry, angle_defects(mesh, geometry), {}, center, residuals);
 }
 
 }  // namespace
 
-template <class T>
-Connection<T> polar(const Mesh& mesh, const Geometry<T>& geometry, const PolarOptions& options) {
-  detail::LiftedResiduals<T> residuals;
-  Connection<T> c = levi_civita_start(mesh, geometry, options.center, residuals);
+Connection polar(const Mesh& mesh, const Geometry& geometry, const PolarOptions& options) {
+  detail::LiftedResiduals residuals;
+  Connection c = levi_civita_start(mesh, geometry, options.center, residuals);
   c.kind = ConnectionKind::polar;
   measure_deviation(mesh, geometry, {}, c);
   return c;
 }
 
-template <class T>
-Connection<T> locally_optimal(const Mesh& mesh, const Geometry<T>& geometry) {
-  detail::LiftedResiduals<T> residuals;
-  Connection<T> c = levi_civita_start(mesh, geometry, PolarCenter::incenter, residuals);
+Connection locally_optimal(const Mesh& mesh, const Geometry& geometry) {
+  detail::LiftedResiduals residuals;
+  Connection c = levi_civita_start(mesh, geometry, PolarCenter::incenter, residuals);
   detail::optimise_locally(mesh, c, residuals);
   c.kind = ConnectionKind::local;
   measure_deviation(mesh, geometry, {}, c);
   return c;
 }
 
-template <class T>
-Connection<T> globally_optimal(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options) {
-  detail::LiftedResiduals<T> residuals;
-  Connection<T> c = levi_civita_start(mesh, geometry, PolarCenter::incenter, residuals);
+Connection globally_optimal(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options) {
+  detail::LiftedResiduals residuals;
+  Connection c = levi_civita_start(mesh, geometry, PolarCenter::incenter, residuals);
   detail::optimise_globally(mesh, geometry, options, false, c, residuals);
   c.kind = ConnectionKind::global;
   return c;
 }
-
-template Connection<float> polar(const Mesh&, const Geometry<float>&, const PolarOptions&);
-template Connection<double> polar(const Mesh&, const Geometry<double>&, const PolarOptions&);
-template Connection<float> locally_optimal(const Mesh&, const Geometry<float>&);
-template Connection<double> locally_optimal(const Mesh&, const Geometry<double>&);
-template Connection<float> globally_optimal(const Mesh&, const Geometry<float>&, const GlobalOptions&);
-template Connection<double> globally_optimal(const Mesh&, const Geometry<double>&, const GlobalOptions&);
 
 }  // namespace alcap

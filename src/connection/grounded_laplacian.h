@@ -15,9 +15,8 @@ namespace alcap::detail {
 
 /// Cotangent Laplacian, #V x #V, one vertex of each component tied to the ground, ones for unreferenced vertices.
 /// Weights are kept above a small positive number, so that obtuse angles leave it definite.
-template <class T>
-[[nodiscard]] SparseMatrix<double> grounded_laplacian(const Mesh& mesh, const Geometry<T>& geometry,
-                                                      const Topology& topology) {
+[[nodiscard]] inline SparseMatrix<double> grounded_laplacian(const Mesh& mesh, const Geometry& geometry,
+                                                             const Topology& topology) {
   constexpr double least_weight = 1e-3;
   std::vector<Eigen::Triplet<double, Index>> entries;
   entries.reserve(4 * static_cast<std::size_t>(mesh.edges()) + static_cast<std::size_t>(mesh.vertices()));

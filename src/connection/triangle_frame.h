@@ -8,16 +8,15 @@
 
 namespace alcap::detail {
 
-template <class T>
-[[nodiscard]] kernels::TriangleFrame<T> triangle_frame(const Mesh& mesh, const Geometry<T>& geometry,
-                                                       const Connection<T>& connection, Index t) {
-  kernels::TriangleFrame<T> frame;
-  kernels::Cplx<T> edge[3];
+[[nodiscard]] inline kernels::TriangleFrame<double> triangle_frame(const Mesh& mesh, const Geometry& geometry,
+                                                                   const Connection& connection, Index t) {
+  kernels::TriangleFrame<double> frame;
+  kernels::Cplx<double> edge[3];
   for (Index c = 0; c < 3; ++c) {
     const Index h = 3 * t + c;
     frame.rho[c] = connection.rho_t[h];
     frame.tau[c] = connection.tau[h];
-    const T length = geometry.length(mesh.edge(h)), angle = geometry.direction(h);
+    const double length = geometry.length(mesh.edge(h)), angle = geometry.direction(h);
     edge[c] = {length * std::cos(angle), length * std::sin(angle)};
   }
   kernels::hat_gradients(edge, geometry.area(t), frame.grad);
@@ -25,8 +24,8 @@ template <class T>
 }
 
 /// The values of a vertex array at the corners of face t.
-template <class T, class Vector>
-void corner_values(const Mesh& mesh, const Vector& u, Index t, kernels::Cplx<T> (&out)[3]) {
+template <class Vector>
+void corner_values(const Mesh& mesh, const Vector& u, Index t, kernels::Cplx<double> (&out)[3]) {
   for (Index c = 0; c < 3; ++c) {
     const auto value = u[mesh.tail(3 * t + c)];
     out[c] = {value.real(), value.imag()};

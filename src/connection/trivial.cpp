@@ -11,8 +11,8 @@
 #include <string>
 
 #include "alcap/connection.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
+#include "src/base/parallel.h"
 
 namespace alcap {
 namespace {
@@ -34,8 +34,7 @@ void check_multiple(const char* field, double value, int n) {
 // The Poisson problem over interior vertices and boundary loops.
 class ConeProblem {
  public:
-  template <class T>
-  ConeProblem(const Mesh& mesh, const Geometry<T>& geometry, const Topology& topology)
+  ConeProblem(const Mesh& mesh, const Geometry& geometry, const Topology& topology)
       : mesh_(mesh), topology_(topology), weight_(mesh.edges()), defect_(mesh.vertices()) {
     for (Index e = 0; e < mesh.edges(); ++e) {
       const Index h = mesh.halfedge(e), g = mesh.twin(h);
@@ -266,21 +265,19 @@ std::vector<double> round_loops(const Topology& topology, const Vector& vertex_i
 
 }  // namespace
 
-template <class T>
-T holonomy(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection, const Loop& strip) {
-  T sum = 0;
+double holonomy(const Mesh& mesh, const Geometry& geometry, const Connection& connection, const Loop& strip) {
+  double sum = 0;
   for (const Index h : strip.halfedges) {
     const Index g = mesh.twin(h);
     if (g == none)
       throw OptionError("strip", std::to_string(h), "this halfedge lies on the boundary and cannot be crossed");
-    sum += pi<T> + connection.edge_to_face(geometry, h) - connection.edge_to_face(geometry, g);
+    sum += pi<double> + connection.edge_to_face(geometry, h) - connection.edge_to_face(geometry, g);
   }
   return wrap(sum);
 }
 
-template <class T>
-Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::vector<Cone>& cones,
-                      const TrivialOptions& options) {
+Connection trivial(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
+                   const TrivialOptions& options) {
   const Topology topology = find_topology(mesh);
   const Vector vertex_index = check_cones(mesh, topology, cones, options);
   const std::vector<Loop> generators = homology_generators(mesh, topology);
@@ -292,7 +289,7 @@ Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::
   }
   Vector levi_civita(static_cast<Eigen::Index>(generators.size()));
   for (std::size_t k = 0; k < generators.size(); ++k)
-    levi_civita[static_cast<Eigen::Index>(k)] = double(holonomy(mesh, geometry, Connection<T>{}, generators[k]));
+    levi_civita[static_cast<Eigen::Index>(k)] = double(holonomy(mesh, geometry, Connection{}, generators[k]));
 
   ConeProblem problem(mesh, geometry, topology);
   std::vector<double> loop_index = options.loop_index;
@@ -302,27 +299,20 @@ Connection<T> trivial(const Mesh& mesh, const Geometry<T>& geometry, const std::
   }
   const Vector x = problem.solve(vertex_index, loop_index, generators, options, levi_civita);
 
-  VectorX<T> alpha(mesh.halfedges());
+  VectorX<double> alpha(mesh.halfedges());
   parallel_for(mesh.halfedges(), [&](std::int64_t i) {
     const Index h = static_cast<Index>(i);
-    const T half = static_cast<T>(x[mesh.edge(h)] / 2);
+    const double half = static_cast<double>(x[mesh.edge(h)] / 2);
     alpha[h] = mesh.canonical(h) ? -half : half;
   });
-  VectorX<T> curvature(mesh.vertices());
-  for (Index v = 0; v < mesh.vertices(); ++v) curvature[v] = static_cast<T>(2 * pi<double> * vertex_index[v]);
+  VectorX<double> curvature(mesh.vertices());
+  for (Index v = 0; v < mesh.vertices(); ++v) curvature[v] = static_cast<double>(2 * pi<double> * vertex_index[v]);
 
-  detail::LiftedResiduals<T> residuals;
-  Connection<T> c = detail::build_connection<T>(mesh, geometry, curvature, alpha, PolarCenter::incenter, residuals);
+  detail::LiftedResiduals residuals;
+  Connection c = detail::build_connection(mesh, geometry, curvature, alpha, PolarCenter::incenter, residuals);
   detail::optimise_globally(mesh, geometry, options.global, true, c, residuals);
   c.kind = ConnectionKind::trivial;
   return c;
 }
-
-#define ALCAP_INSTANTIATE(T)                                                                                        \
-  template Connection<T> trivial(const Mesh&, const Geometry<T>&, const std::vector<Cone>&, const TrivialOptions&); \
-  template T holonomy(const Mesh&, const Geometry<T>&, const Connection<T>&, const Loop&);
-ALCAP_INSTANTIATE(float)
-ALCAP_INSTANTIATE(double)
-#undef ALCAP_INSTANTIATE
 
 }  // namespace alcap

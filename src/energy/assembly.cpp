@@ -59,9 +59,8 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
   });
 }
 
-template <class T>
-SparseMatrix<Complex<T>> HermitianPattern::matrix() const {
-  SparseMatrix<Complex<T>> A(rows(), rows());
+SparseMatrix<Complex<double>> HermitianPattern::matrix() const {
+  SparseMatrix<Complex<double>> A(rows(), rows());
   A.resizeNonZeros(nonzeros());
   const auto copy = [](const VectorX<Index>& from, Index* to) {
     parallel_ranges(from.size(), 1 << 14, [&](std::int64_t begin, std::int64_t end) {
@@ -73,12 +72,11 @@ SparseMatrix<Complex<T>> HermitianPattern::matrix() const {
   return A;
 }
 
-template <class T>
-SparseMatrix<T> real_view(const SparseMatrix<Complex<T>>& A) {
+SparseMatrix<double> real_view(const SparseMatrix<Complex<double>>& A) {
   if (A.nonZeros() > std::numeric_limits<Index>::max() / 4)
     throw OptionError("A", std::to_string(A.nonZeros()) + " entries",
                       "its real view has four times as many, and at most 2^31 - 1 fit 32-bit sparse indices");
-  SparseMatrix<T> R(2 * A.rows(), 2 * A.cols());
+  SparseMatrix<double> R(2 * A.rows(), 2 * A.cols());
   R.resizeNonZeros(4 * A.nonZeros());
   const Index columns = static_cast<Index>(A.cols());
   R.outerIndexPtr()[2 * columns] = 4 * A.outerIndexPtr()[columns];
@@ -87,7 +85,7 @@ SparseMatrix<T> real_view(const SparseMatrix<Complex<T>>& A) {
     R.outerIndexPtr()[2 * j] = 4 * begin;
     R.outerIndexPtr()[2 * j + 1] = 4 * begin + 2 * size;
     for (Index k = begin; k < end; ++k) {
-      const Complex<T> a = A.valuePtr()[k];
+      const Complex<double> a = A.valuePtr()[k];
       const Index re = 4 * begin + 2 * (k - begin), im = re + 2 * size;
       const Index row = 2 * A.innerIndexPtr()[k];
       R.innerIndexPtr()[re] = R.innerIndexPtr()[im] = row;
@@ -100,11 +98,10 @@ SparseMatrix<T> real_view(const SparseMatrix<Complex<T>>& A) {
   return R;
 }
 
-template <class T>
-SparseMatrix<Complex<T>> diagonal_block(const SparseMatrix<Complex<T>>& A, const std::vector<Index>& vertices,
-                                        const std::vector<Index>& local) {
+SparseMatrix<Complex<double>> diagonal_block(const SparseMatrix<Complex<double>>& A, const std::vector<Index>& vertices,
+                                             const std::vector<Index>& local) {
   const Index size = static_cast<Index>(vertices.size());
-  SparseMatrix<Complex<T>> B(size, size);
+  SparseMatrix<Complex<double>> B(size, size);
   const Index* const start = A.outerIndexPtr();
   Index* const first = B.outerIndexPtr();
   parallel_for(size, [&](std::int64_t j) {
@@ -114,7 +111,7 @@ SparseMatrix<Complex<T>> diagonal_block(const SparseMatrix<Complex<T>>& A, const
   first[size] = 0;
   B.resizeNonZeros(parallel_exclusive_scan(first, std::int64_t{size} + 1));
   Index* const row = B.innerIndexPtr();
-  Complex<T>* const value = B.valuePtr();
+  Complex<double>* const value = B.valuePtr();
   parallel_for(size, [&](std::int64_t j) {
     const Index v = vertices[static_cast<std::size_t>(j)];
     for (Index a = start[v], b = first[j]; a < start[v + 1]; ++a, ++b) {
@@ -124,14 +121,5 @@ SparseMatrix<Complex<T>> diagonal_block(const SparseMatrix<Complex<T>>& A, const
   });
   return B;
 }
-
-template SparseMatrix<Complex<float>> HermitianPattern::matrix<float>() const;
-template SparseMatrix<Complex<double>> HermitianPattern::matrix<double>() const;
-template SparseMatrix<float> real_view(const SparseMatrix<Complex<float>>&);
-template SparseMatrix<double> real_view(const SparseMatrix<Complex<double>>&);
-template SparseMatrix<Complex<float>> diagonal_block(const SparseMatrix<Complex<float>>&, const std::vector<Index>&,
-                                                     const std::vector<Index>&);
-template SparseMatrix<Complex<double>> diagonal_block(const SparseMatrix<Complex<double>>&, const std::vector<Index>&,
-                                                      const std::vector<Index>&);
 
 }  // namespace alcap

@@ -9,18 +9,17 @@
 #include <memory>
 #include <string>
 
+#include "src/base/large_array.h"
+#include "src/base/parallel.h"
 #include "src/simd/angles.h"
 #include "src/simd/triangle_entries.h"
-#include "src/base/parallel.h"
-#include "src/base/large_array.h"
 
 namespace alcap {
 namespace {
 
-template <class T>
 struct TriangleEntries {
-  detail::LargeArray<T> stiffness_diagonal;
-  detail::LargeArray<Complex<T>> stiffness_off, mass_off;
+  detail::LargeArray<double> stiffness_diagonal;
+  detail::LargeArray<Complex<double>> stiffness_off, mass_off;
 };
 
 void check_pattern(const Mesh& mesh, const HermitianPattern& pattern) {
@@ -29,71 +28,67 @@ void check_pattern(const Mesh& mesh, const HermitianPattern& pattern) {
                       "belongs to another mesh; this one has " + std::to_string(mesh.vertices()) + " vertices");
 }
 
-template <class T>
-TriangleEntries<T> entries_of_triangles(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                                        int n) {
+TriangleEntries entries_of_triangles(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n) {
   const auto faces = static_cast<std::size_t>(mesh.faces());
-  TriangleEntries<T> entries{detail::LargeArray<T>(3 * faces), detail::LargeArray<Complex<T>>(3 * faces),
-                             detail::LargeArray<Complex<T>>(faces)};
-  const detail::TriangleInputs<T> in{.cot = geometry.cots().data(),
-                                     .area = geometry.areas().data(),
-                                     .curvature = connection.K.data(),
-                                     .n = static_cast<T>(n)};
-  const detail::TriangleOutputs<T> out{.stiffness_diagonal = entries.stiffness_diagonal.data(),
-                                       .stiffness_off = entries.stiffness_off.data(),
-                                       .mass_off = entries.mass_off.data()};
+  TriangleEntries entries{detail::LargeArray<double>(3 * faces), detail::LargeArray<Complex<double>>(3 * faces),
+                          detail::LargeArray<Complex<double>>(faces)};
+  const detail::TriangleInputs<double> in{.cot = geometry.cots().data(),
+                                          .area = geometry.areas().data(),
+                                          .curvature = connection.K.data(),
+                                          .n = static_cast<double>(n)};
+  const detail::TriangleOutputs<double> out{.stiffness_diagonal = entries.stiffness_diagonal.data(),
+                                            .stiffness_off = entries.stiffness_off.data(),
+                                            .mass_off = entries.mass_off.data()};
   parallel_ranges(mesh.faces(), sequential_below,
-                  [&](std::int64_t begin, std::int64_t end) { detail::triangle_entries<T>(begin, end, in, out); });
+                  [&](std::int64_t begin, std::int64_t end) { detail::triangle_entries<double>(begin, end, in, out); });
   return entries;
 }
 
 // Calls body(e, exp(i n rho_e)) for every edge; the phases are computed many at a time.
-template <class T, class Body>
-void for_each_edge(const Mesh& mesh, const Connection<T>& connection, int n, Body&& body) {
+template <class Body>
+void for_each_edge(const Mesh& mesh, const Connection& connection, int n, Body&& body) {
   constexpr std::int64_t block = 256;
   parallel_ranges(mesh.edges(), block, [&](std::int64_t begin, std::int64_t end) {
-    std::array<Complex<T>, block> phases;
+    std::array<Complex<double>, block> phases;
     for (std::int64_t first = begin; first < end; first += block) {
       const std::int64_t count = std::min(block, end - first);
-      detail::unit_numbers(count, connection.rho.data() + first, T(n), phases.data());
+      detail::unit_numbers(count, connection.rho.data() + first, double(n), phases.data());
       for (std::int64_t i = 0; i < count; ++i) body(first + i, phases[static_cast<std::size_t>(i)]);
     }
   });
 }
 
 // a b without the check for infinities.
-template <class T>
-Complex<T> product(const Complex<T>& a, const Complex<T>& b) {
+Complex<double> product(const Complex<double>& a, const Complex<double>& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
 // Writes value to (i, j) and its conjugate to (j, i) for the canonical halfedge i -> j of e.
-template <class T>
-void set_pair(SparseMatrix<Complex<T>>& A, const HermitianPattern& pattern, std::int64_t e, Complex<T> value) {
+void set_pair(SparseMatrix<Complex<double>>& A, const HermitianPattern& pattern, std::int64_t e,
+              Complex<double> value) {
   A.valuePtr()[pattern.upper(static_cast<Index>(e))] = value;
   A.valuePtr()[pattern.lower(static_cast<Index>(e))] = std::conj(value);
 }
 
 }  // namespace
 
-template <class T>
-StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pattern, const Geometry<T>& geometry,
-                                    const Connection<T>& connection, int n) {
+StiffnessMass stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pattern, const Geometry& geometry,
+                                 const Connection& connection, int n) {
   check_pattern(mesh, pattern);
-  StiffnessMass<T> out;
+  StiffnessMass out;
   // Eigen writes zeros into new complex values, one after the other: at least each matrix on a thread of its own.
   parallel_for(
       2,
       [&](std::int64_t k) {
-        SparseMatrix<Complex<T>> A = pattern.matrix<T>();
+        SparseMatrix<Complex<double>> A = pattern.matrix();
         A.swap(k == 0 ? out.S : out.M);  // assigning would copy
       },
       1);
-  const TriangleEntries<T> entries = entries_of_triangles(mesh, geometry, connection, n);
-  for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<T>& phase) {
+  const TriangleEntries entries = entries_of_triangles(mesh, geometry, connection, n);
+  for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<double>& phase) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    Complex<T> s = entries.stiffness_off[static_cast<std::size_t>(h)];
-    Complex<T> m = entries.mass_off[static_cast<std::size_t>(h / 3)];
+    Complex<double> s = entries.stiffness_off[static_cast<std::size_t>(h)];
+    Complex<double> m = entries.mass_off[static_cast<std::size_t>(h / 3)];
     if (g != none) {
       s += std::conj(entries.stiffness_off[static_cast<std::size_t>(g)]);
       m += std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
@@ -102,7 +97,7 @@ StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pa
     set_pair(out.M, pattern, e, product(phase, m));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
-    T stiffness = 0, area = 0;
+    double stiffness = 0, area = 0;
     mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) {
       stiffness += entries.stiffness_diagonal[static_cast<std::size_t>(h)];
       area += geometry.area(h / 3);
@@ -114,41 +109,40 @@ StiffnessMass<T> stiffness_and_mass(const Mesh& mesh, const HermitianPattern& pa
   return out;
 }
 
-template <class T>
-SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh& mesh, const HermitianPattern& pattern,
-                                                const Geometry<T>& geometry, const Connection<T>& connection, int n) {
+SparseMatrix<Complex<double>> curvature_and_boundary(const Mesh& mesh, const HermitianPattern& pattern,
+                                                     const Geometry& geometry, const Connection& connection, int n) {
   check_pattern(mesh, pattern);
-  SparseMatrix<Complex<T>> A = pattern.matrix<T>();
-  const TriangleEntries<T> entries = entries_of_triangles(mesh, geometry, connection, n);
-  const auto density = [&](Index t) { return T(n) * connection.K[t] / geometry.area(t); };
-  for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<T>& phase) {
+  SparseMatrix<Complex<double>> A = pattern.matrix();
+  const TriangleEntries entries = entries_of_triangles(mesh, geometry, connection, n);
+  const auto density = [&](Index t) { return double(n) * connection.K[t] / geometry.area(t); };
+  for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<double>& phase) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    Complex<T> c = density(h / 3) * entries.mass_off[static_cast<std::size_t>(h / 3)];
+    Complex<double> c = density(h / 3) * entries.mass_off[static_cast<std::size_t>(h / 3)];
     if (g != none)
       c += density(g / 3) * std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
     else
-      c += Complex<T>(0, T(-0.5));  // Im(conj(u_i) e^{iR} u_j) for the boundary halfedge i -> j
+      c += Complex<double>(0, double(-0.5));  // Im(conj(u_i) e^{iR} u_j) for the boundary halfedge i -> j
     set_pair(A, pattern, e, product(phase, c));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
-    T curvature = 0;
+    double curvature = 0;
     mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) { curvature += connection.K[h / 3]; });
-    A.valuePtr()[pattern.diagonal(static_cast<Index>(v))] = T(n) * curvature / 6;
+    A.valuePtr()[pattern.diagonal(static_cast<Index>(v))] = double(n) * curvature / 6;
   });
   return A;
 }
 
-template <class T>
-void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry<T>& geometry,
-                         const Connection<T>& connection, int n, T s, SparseMatrix<Complex<T>>& S) {
-  if (!(s >= T(-1) && s <= T(1))) throw OptionError("s", std::to_string(s), "the energy family needs s in [-1, 1]");
-  if (s == T(0)) return;
-  const SparseMatrix<Complex<T>> difference = curvature_and_boundary(mesh, pattern, geometry, connection, n);
+void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry& geometry,
+                         const Connection& connection, int n, double s, SparseMatrix<Complex<double>>& S) {
+  if (!(s >= double(-1) && s <= double(1)))
+    throw OptionError("s", std::to_string(s), "the energy family needs s in [-1, 1]");
+  if (s == double(0)) return;
+  const SparseMatrix<Complex<double>> difference = curvature_and_boundary(mesh, pattern, geometry, connection, n);
   parallel_for(S.nonZeros(), [&](std::int64_t k) { S.valuePtr()[k] -= s * difference.valuePtr()[k]; });
 }
 
-FieldEnergies field_energies(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
-                             int n, const ComplexVectorX<double>& u) {
+FieldEnergies field_energies(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                             const ComplexVectorX<double>& u) {
   const HermitianPattern pattern(mesh);
   const auto form = [&](const SparseMatrix<Complex<double>>& A) {
     ComplexVectorX<double> Au(u.size());
@@ -159,16 +153,5 @@ FieldEnergies field_energies(const Mesh& mesh, const Geometry<double>& geometry,
   const double difference = form(curvature_and_boundary(mesh, pattern, geometry, connection, n));
   return {sum / 2, (sum + difference) / 2, (sum - difference) / 2};
 }
-
-#define ALCAP_INSTANTIATE(T)                                                                                         \
-  template StiffnessMass<T> stiffness_and_mass(const Mesh&, const HermitianPattern&, const Geometry<T>&,             \
-                                               const Connection<T>&, int);                                           \
-  template SparseMatrix<Complex<T>> curvature_and_boundary(const Mesh&, const HermitianPattern&, const Geometry<T>&, \
-                                                           const Connection<T>&, int);                               \
-  template void apply_energy_family(const Mesh&, const HermitianPattern&, const Geometry<T>&, const Connection<T>&,  \
-                                    int, T, SparseMatrix<Complex<T>>&);
-ALCAP_INSTANTIATE(float)
-ALCAP_INSTANTIATE(double)
-#undef ALCAP_INSTANTIATE
 
 }  // namespace alcap

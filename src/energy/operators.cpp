@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <string>
 
-#include "src/base/parallel.h"
 #include "kernels/basis.h"
 #include "kernels/edge_operators.h"
+#include "src/base/parallel.h"
 #include "src/connection/triangle_frame.h"
 
 namespace alcap {
@@ -16,17 +16,10 @@ namespace {
 
 using kernels::Cplx;
 
-template <class T>
-Cplx<T> to_kernel(const Complex<T>& z) {
-  return {z.real(), z.imag()};
-}
-template <class T>
-Complex<T> from_kernel(const Cplx<T>& z) {
-  return {z.re, z.im};
-}
+Cplx<double> to_kernel(const Complex<double>& z) { return {z.real(), z.imag()}; }
+Complex<double> from_kernel(const Cplx<double>& z) { return {z.re, z.im}; }
 // Without the checks for infinities of the standard product.
-template <class T>
-Complex<T> product(const Complex<T>& a, const Complex<T>& b) {
+Complex<double> product(const Complex<double>& a, const Complex<double>& b) {
   return from_kernel(to_kernel(a) * to_kernel(b));
 }
 
@@ -41,23 +34,21 @@ void check_coefficients(const Mesh& mesh, std::int64_t size) {
   check_size("coefficients", size, mesh.halfedges(), "needs three entries per face of the mesh");
 }
 
-template <class T>
-kernels::EdgeOperator<T> halfedge_operator(const Mesh& mesh, const Geometry<T>& geometry,
-                                           const Connection<T>& connection, T n, Index h) {
+kernels::EdgeOperator<double> halfedge_operator(const Mesh& mesh, const Geometry& geometry,
+                                                const Connection& connection, double n, Index h) {
   return kernels::edge_operator(geometry.length(mesh.edge(h)), connection.rho_start(mesh, h),
                                 connection.rho_end(mesh, h), connection.eps_along(mesh, h), geometry.direction(h), n);
 }
 
-template <class T>
-kernels::TriangleOperator<T> edge_based(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                                        T n, Index t) {
-  kernels::TriangleOperator<T> sum{};
+kernels::TriangleOperator<double> edge_based(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                             double n, Index t) {
+  kernels::TriangleOperator<double> sum{};
   for (Index c = 0; c < 3; ++c) {
     const Index h = 3 * t + c, next = (c + 1) % 3;
-    kernels::EdgeOperator<T> e = halfedge_operator(mesh, geometry, connection, n, h);
+    kernels::EdgeOperator<double> e = halfedge_operator(mesh, geometry, connection, n, h);
     if (connection.alpha.size()) {
       // Values go from the edge to the face by edge_to_face = alpha - direction; the direction of dl stays.
-      const Cplx<T> turn = kernels::unit(-(n * connection.alpha[h]));
+      const Cplx<double> turn = kernels::unit(-(n * connection.alpha[h]));
       e = {turn * e.p_start, turn * e.p_end, turn * e.q_start, turn * e.q_end};
     }
     sum.p[c] = sum.p[c] + e.p_start;
@@ -68,11 +59,10 @@ kernels::TriangleOperator<T> edge_based(const Mesh& mesh, const Geometry<T>& geo
   return sum;
 }
 
-template <class T>
-ComplexVectorX<T> per_face(const Mesh& mesh, const ComplexVectorX<T>& a, const ComplexVectorX<T>& u) {
-  ComplexVectorX<T> out(mesh.faces());
+ComplexVectorX<double> per_face(const Mesh& mesh, const ComplexVectorX<double>& a, const ComplexVectorX<double>& u) {
+  ComplexVectorX<double> out(mesh.faces());
   parallel_for(mesh.faces(), [&](std::int64_t t) {
-    Complex<T> sum = 0;
+    Complex<double> sum = 0;
     for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) sum += product(a[h], u[mesh.tail(h)]);
     out[t] = sum;
   });
@@ -81,16 +71,15 @@ ComplexVectorX<T> per_face(const Mesh& mesh, const ComplexVectorX<T>& a, const C
 
 }  // namespace
 
-template <class T>
-FirstOrderOperators<T> first_order_operators(const Mesh& mesh, const Geometry<T>& geometry,
-                                             const Connection<T>& connection, const OperatorOptions& options) {
-  FirstOrderOperators<T> out{options, ComplexVectorX<T>(mesh.halfedges()), ComplexVectorX<T>(mesh.halfedges())};
-  const T n = static_cast<T>(options.n);
+FirstOrderOperators first_order_operators(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                          const OperatorOptions& options) {
+  FirstOrderOperators out{options, ComplexVectorX<double>(mesh.halfedges()), ComplexVectorX<double>(mesh.halfedges())};
+  const double n = static_cast<double>(options.n);
   parallel_for(
       mesh.faces(),
       [&](std::int64_t i) {
         const Index t = static_cast<Index>(i);
-        const kernels::TriangleOperator<T> op =
+        const kernels::TriangleOperator<double> op =
             options.kind == OperatorKind::edge
                 ? edge_based(mesh, geometry, connection, n, t)
                 : kernels::triangle_operator(detail::triangle_frame(mesh, geometry, connection, t), geometry.area(t),
@@ -104,21 +93,20 @@ FirstOrderOperators<T> first_order_operators(const Mesh& mesh, const Geometry<T>
   return out;
 }
 
-template <class T>
-ComplexVectorX<T> apply(const Mesh& mesh, const ComplexVectorX<T>& coefficients, const ComplexVectorX<T>& u) {
+ComplexVectorX<double> apply(const Mesh& mesh, const ComplexVectorX<double>& coefficients,
+                             const ComplexVectorX<double>& u) {
   check_coefficients(mesh, coefficients.size());
   check_vertices(mesh, u.size());
   return per_face(mesh, coefficients, u);
 }
 
-template <class T>
-ComplexVectorX<T> apply_adjoint(const Mesh& mesh, const ComplexVectorX<T>& coefficients,
-                                const ComplexVectorX<T>& faces) {
+ComplexVectorX<double> apply_adjoint(const Mesh& mesh, const ComplexVectorX<double>& coefficients,
+                                     const ComplexVectorX<double>& faces) {
   check_coefficients(mesh, coefficients.size());
   check_size("faces", faces.size(), mesh.faces(), "needs one entry per face of the mesh");
-  ComplexVectorX<T> out(mesh.vertices());
+  ComplexVectorX<double> out(mesh.vertices());
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
-    Complex<T> sum = 0;
+    Complex<double> sum = 0;
     mesh.for_each_outgoing(static_cast<Index>(v),
                            [&](Index h) { sum += product(std::conj(coefficients[h]), faces[Mesh::face(h)]); });
     out[v] = sum;
@@ -126,10 +114,9 @@ ComplexVectorX<T> apply_adjoint(const Mesh& mesh, const ComplexVectorX<T>& coeff
   return out;
 }
 
-template <class T>
-FaceVertexMatrix<T> face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<T>& coefficients) {
+FaceVertexMatrix face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<double>& coefficients) {
   check_coefficients(mesh, coefficients.size());
-  FaceVertexMatrix<T> A(mesh.faces(), mesh.vertices());
+  FaceVertexMatrix A(mesh.faces(), mesh.vertices());
   A.resizeNonZeros(mesh.halfedges());
   parallel_for(std::int64_t{mesh.faces()} + 1,
                [&](std::int64_t t) { A.outerIndexPtr()[t] = static_cast<Index>(3 * t); });
@@ -146,11 +133,10 @@ FaceVertexMatrix<T> face_vertex_matrix(const Mesh& mesh, const ComplexVectorX<T>
   return A;
 }
 
-template <class T>
-OperatorEnergies operator_energies(const Mesh& mesh, const Geometry<T>& geometry,
-                                   const FirstOrderOperators<T>& operators, const ComplexVectorX<T>& u) {
-  const auto half_squares = [&](const ComplexVectorX<T>& coefficients) {
-    const ComplexVectorX<T> f = apply(mesh, coefficients, u);
+OperatorEnergies operator_energies(const Mesh& mesh, const Geometry& geometry, const FirstOrderOperators& operators,
+                                   const ComplexVectorX<double>& u) {
+  const auto half_squares = [&](const ComplexVectorX<double>& coefficients) {
+    const ComplexVectorX<double> f = apply(mesh, coefficients, u);
     return 0.5 * parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
              return static_cast<double>(std::norm(f[t]) / geometry.area(static_cast<Index>(t)));
            });
@@ -158,23 +144,21 @@ OperatorEnergies operator_energies(const Mesh& mesh, const Geometry<T>& geometry
   return {half_squares(operators.p), half_squares(operators.q)};
 }
 
-template <class T>
-Complex<T> flux_and_circulation(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection,
-                                const ComplexVectorX<T>& u, Index h) {
+Complex<double> flux_and_circulation(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                     const ComplexVectorX<double>& u, Index h) {
   check_vertices(mesh, u.size());
-  const kernels::EdgeOperator<T> e = halfedge_operator(mesh, geometry, connection, T(1), h);
+  const kernels::EdgeOperator<double> e = halfedge_operator(mesh, geometry, connection, double(1), h);
   return product(from_kernel(e.p_start), u[mesh.tail(h)]) + product(from_kernel(e.p_end), u[mesh.tip(h)]);
 }
 
-template <class T>
-FaceField<T> face_field(const Mesh& mesh, const Geometry<T>& geometry, const Connection<T>& connection, int n,
-                        const ComplexVectorX<T>& u, Index t) {
+FaceField face_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                     const ComplexVectorX<double>& u, Index t) {
   check_vertices(mesh, u.size());
   if (t < 0 || t >= mesh.faces())
     throw OptionError("t", std::to_string(t), "must be a face, 0 to " + std::to_string(mesh.faces() - 1));
-  const kernels::TriangleFrame<T> f = detail::triangle_frame(mesh, geometry, connection, t);
-  FaceField<T> out;
-  out.n = static_cast<T>(n);
+  const kernels::TriangleFrame<double> f = detail::triangle_frame(mesh, geometry, connection, t);
+  FaceField out;
+  out.n = static_cast<double>(n);
   for (std::size_t c = 0; c < 3; ++c) {
     out.rho[c] = f.rho[c];
     out.tau[c] = f.tau[c];
@@ -184,11 +168,10 @@ FaceField<T> face_field(const Mesh& mesh, const Geometry<T>& geometry, const Con
   return out;
 }
 
-template <class T>
-FieldValue<T> FaceField<T>::at(const std::array<T, 3>& barycentric) const {
-  kernels::TriangleFrame<T> f;
-  Cplx<T> corner[3];
-  T b[3];
+FieldValue FaceField::at(const std::array<double, 3>& barycentric) const {
+  kernels::TriangleFrame<double> f;
+  Cplx<double> corner[3];
+  double b[3];
   for (std::size_t c = 0; c < 3; ++c) {
     f.rho[c] = rho[c];
     f.tau[c] = tau[c];
@@ -196,25 +179,8 @@ FieldValue<T> FaceField<T>::at(const std::array<T, 3>& barycentric) const {
     corner[c] = to_kernel(u[c]);
     b[c] = barycentric[c];
   }
-  const kernels::FieldAt<T> x = kernels::field_at(f, corner, b, n);
+  const kernels::FieldAt<double> x = kernels::field_at(f, corner, b, n);
   return {from_kernel(x.value), from_kernel(x.d1), from_kernel(x.d2)};
 }
-
-#define ALCAP_INSTANTIATE(T)                                                                                   \
-  template FirstOrderOperators<T> first_order_operators(const Mesh&, const Geometry<T>&, const Connection<T>&, \
-                                                        const OperatorOptions&);                               \
-  template ComplexVectorX<T> apply(const Mesh&, const ComplexVectorX<T>&, const ComplexVectorX<T>&);           \
-  template ComplexVectorX<T> apply_adjoint(const Mesh&, const ComplexVectorX<T>&, const ComplexVectorX<T>&);   \
-  template FaceVertexMatrix<T> face_vertex_matrix(const Mesh&, const ComplexVectorX<T>&);                      \
-  template OperatorEnergies operator_energies(const Mesh&, const Geometry<T>&, const FirstOrderOperators<T>&,  \
-                                              const ComplexVectorX<T>&);                                       \
-  template Complex<T> flux_and_circulation(const Mesh&, const Geometry<T>&, const Connection<T>&,              \
-                                           const ComplexVectorX<T>&, Index);                                   \
-  template FaceField<T> face_field(const Mesh&, const Geometry<T>&, const Connection<T>&, int,                 \
-                                   const ComplexVectorX<T>&, Index);                                           \
-  template struct FaceField<T>;
-ALCAP_INSTANTIATE(float)
-ALCAP_INSTANTIATE(double)
-#undef ALCAP_INSTANTIATE
 
 }  // namespace alcap

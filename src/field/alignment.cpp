@@ -25,7 +25,7 @@ double dihedral(const Mesh& mesh, const Positions<double>& V, Index h) {
   return std::atan2(m.cross(n).dot(along), m.dot(n));
 }
 
-double third_of_faces(const Mesh& mesh, const Geometry<double>& geometry, Index v) {
+double third_of_faces(const Mesh& mesh, const Geometry& geometry, Index v) {
   double area = 0;
   mesh.for_each_outgoing(v, [&](Index h) { area += geometry.area(Mesh::face(h)) / 3; });
   return area;
@@ -33,9 +33,9 @@ double third_of_faces(const Mesh& mesh, const Geometry<double>& geometry, Index 
 
 }  // namespace
 
-Field<double> curvature_field(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                              const Connection<double>& connection, std::shared_ptr<const Frames<double>> frames,
-                              const CurvatureOptions& options) {
+Field curvature_field(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                      const Connection& connection, std::shared_ptr<const Frames> frames,
+                      const CurvatureOptions& options) {
   if (options.n < 2 || options.n % 2 != 0)
     throw OptionError("n", std::to_string(options.n), "principal directions are lines: n must be even");
   if (options.rings < 0) throw OptionError("rings", std::to_string(options.rings), "must not be negative");
@@ -77,14 +77,14 @@ Field<double> curvature_field(const Mesh& mesh, const Positions<double>& V, cons
       q[v] = weight > 0 ? sum / weight : C(0);
     });
   }
-  Field<double> field{.n = options.n, .u = ComplexVectorX<double>(count), .frames = std::move(frames)};
+  Field field{.n = options.n, .u = ComplexVectorX<double>(count), .frames = std::move(frames)};
   const int turns = options.n / 2;
   const double offset = options.smallest ? turns * pi<double> : 0.0;
   for (Index v = 0; v < count; ++v) field.u[v] = std::polar(std::abs(q[v]), turns * std::arg(q[v]) + offset);
   return field;
 }
 
-double root_mean_square(const Mesh& mesh, const Geometry<double>& geometry, const ComplexVectorX<double>& u) {
+double root_mean_square(const Mesh& mesh, const Geometry& geometry, const ComplexVectorX<double>& u) {
   double sum = 0;
   for (Index t = 0; t < mesh.faces(); ++t)
     for (Index c = 0; c < 3; ++c) sum += geometry.area(t) / 3 * std::norm(u[mesh.F()(t, c)]);

@@ -13,24 +13,21 @@
 
 namespace alcap::detail {
 
-template <class T>
-[[nodiscard]] inline bool squares_safely(T square) {
-  constexpr T digits = std::numeric_limits<T>::epsilon() * std::numeric_limits<T>::epsilon();
-  return square > std::numeric_limits<T>::min() / digits && square < std::numeric_limits<T>::max() * digits;
+[[nodiscard]] inline bool squares_safely(double square) {
+  constexpr double digits = std::numeric_limits<double>::epsilon() * std::numeric_limits<double>::epsilon();
+  return square > std::numeric_limits<double>::min() / digits && square < std::numeric_limits<double>::max() * digits;
 }
 
 /// std::sqrt(z), several times faster where squares neither overflow nor lose digits.
-template <class T>
-[[nodiscard]] inline Complex<T> square_root(const Complex<T>& z) {
-  const T x = z.real(), y = z.imag(), square = x * x + y * y;
+[[nodiscard]] inline Complex<double> square_root(const Complex<double>& z) {
+  const double x = z.real(), y = z.imag(), square = x * x + y * y;
   if (!squares_safely(square)) return std::sqrt(z);
-  const T large = std::sqrt((std::sqrt(square) + std::abs(x)) / 2), small = y / (2 * large);
-  return x >= 0 ? Complex<T>(large, small) : Complex<T>(std::abs(small), std::copysign(large, y));
+  const double large = std::sqrt((std::sqrt(square) + std::abs(x)) / 2), small = y / (2 * large);
+  return x >= 0 ? Complex<double>(large, small) : Complex<double>(std::abs(small), std::copysign(large, y));
 }
 
 /// The n-th root of z with the argument arg(z) / n.
-template <class T>
-[[nodiscard]] inline Complex<T> principal_root(const Complex<T>& z, int n) {
+[[nodiscard]] inline Complex<double> principal_root(const Complex<double>& z, int n) {
   switch (n) {
     case 1:
       return z;
@@ -39,7 +36,9 @@ template <class T>
     case 4:
       return square_root(square_root(z));
     default:
-      return z == Complex<T>(0) ? z : std::polar(std::pow(std::abs(z), T(1) / T(n)), std::arg(z) / T(n));
+      return z == Complex<double>(0)
+                 ? z
+                 : std::polar(std::pow(std::abs(z), double(1) / double(n)), std::arg(z) / double(n));
   }
 }
 
@@ -47,30 +46,26 @@ template <class T>
 [[nodiscard]] inline int independent_branches(int n) { return n % 2 == 0 ? n / 2 : n; }
 
 /// exp(2 pi i k / n) for an independent branch k.
-template <class T>
-[[nodiscard]] inline Complex<T> branch_turn(int k, int n) {
-  return 4 * k == n ? Complex<T>(0, 1) : std::polar(T(1), T(2) * pi<T> * T(k) / T(n));
+[[nodiscard]] inline Complex<double> branch_turn(int k, int n) {
+  return 4 * k == n ? Complex<double>(0, 1) : std::polar(double(1), double(2) * pi<double> * double(k) / double(n));
 }
 
 /// root * turn without the check for infinities.
-template <class T>
-[[nodiscard]] inline Complex<T> turned(const Complex<T>& root, const Complex<T>& turn) {
+[[nodiscard]] inline Complex<double> turned(const Complex<double>& root, const Complex<double>& turn) {
   return {root.real() * turn.real() - root.imag() * turn.imag(), root.real() * turn.imag() + root.imag() * turn.real()};
 }
 
-template <class T>
-[[nodiscard]] inline Complex<T> opposite(const Complex<T>& z) {
-  return {T(0) - z.real(), T(0) - z.imag()};  // 0 - 0 is 0 where -0 would be -0
+[[nodiscard]] inline Complex<double> opposite(const Complex<double>& z) {
+  return {double(0) - z.real(), double(0) - z.imag()};  // 0 - 0 is 0 where -0 would be -0
 }
 
 /// The branches of the values of a field.
-template <class T>
 class Branches {
  public:
-  using Row = Eigen::Matrix<T, 1, 3>;
+  using Row = Eigen::Matrix<double, 1, 3>;
 
   explicit Branches(int n) : independent_(independent_branches(n)) {
-    for (int k = 0; k < independent_; ++k) turns_.push_back(branch_turn<T>(k, n));
+    for (int k = 0; k < independent_; ++k) turns_.push_back(branch_turn(k, n));
   }
 
   [[nodiscard]] int independent() const { return independent_; }
@@ -78,29 +73,29 @@ class Branches {
   /// One element: its branches as vectors in space, exactly 0 where the field is.
   class At {
    public:
-    At(const Branches& branches, const Field<T>& field, Index i) : branches_(branches) {
-      if (field.u[i] == Complex<T>(0)) return;
+    At(const Branches& branches, const Field& field, Index i) : branches_(branches) {
+      if (field.u[i] == Complex<double>(0)) return;
       root_ = principal_root(field.u[i], field.n);
       x_ = field.frames->X.row(i);
       y_ = field.frames->Y(i);
     }
     [[nodiscard]] Row vector(int k) const {
       const int half = branches_.independent_;
-      const Complex<T> z = turned(root_, branches_.turns_[static_cast<std::size_t>(k < half ? k : k - half)]);
-      const Complex<T> w = k < half ? z : opposite(z);
+      const Complex<double> z = turned(root_, branches_.turns_[static_cast<std::size_t>(k < half ? k : k - half)]);
+      const Complex<double> w = k < half ? z : opposite(z);
       return w.real() * x_ + w.imag() * y_;
     }
 
    private:
     const Branches& branches_;
-    Complex<T> root_ = 0;
+    Complex<double> root_ = 0;
     Row x_ = Row::Zero(), y_ = Row::Zero();
   };
-  [[nodiscard]] At at(const Field<T>& field, Index i) const { return At(*this, field, i); }
+  [[nodiscard]] At at(const Field& field, Index i) const { return At(*this, field, i); }
 
  private:
   int independent_;
-  std::vector<Complex<T>> turns_;
+  std::vector<Complex<double>> turns_;
 };
 
 }  // namespace alcap::detail

@@ -21,8 +21,7 @@ namespace alcap::detail {
   return vertices;
 }
 
-[[nodiscard]] inline std::vector<double> areas_of_components(const Geometry<double>& geometry,
-                                                             const Topology& topology) {
+[[nodiscard]] inline std::vector<double> areas_of_components(const Geometry& geometry, const Topology& topology) {
   if (topology.components.size() == 1) return {geometry.total_area()};
   std::vector<double> areas(topology.components.size(), 0.0);
   for (std::size_t t = 0; t < topology.face_component.size(); ++t)

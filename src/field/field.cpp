@@ -5,9 +5,9 @@
 #include <array>
 #include <string>
 
-#include "src/simd/angles.h"
 #include "src/base/parallel.h"
 #include "src/field/branches.h"
+#include "src/simd/angles.h"
 
 namespace alcap {
 namespace {
@@ -16,8 +16,7 @@ void check_degree(int n) {
   if (n < 1) throw OptionError("n", std::to_string(n), "the degree of a field is at least 1");
 }
 
-template <class T>
-void check_frames(const Field<T>& field) {
+void check_frames(const Field& field) {
   if (!field.frames || field.frames->X.rows() != field.u.size())
     throw OptionError("frames", field.frames ? std::to_string(field.frames->X.rows()) + " frames" : "none",
                       "vectors in space need one frame per value, " + std::to_string(field.u.size()));
@@ -25,29 +24,26 @@ void check_frames(const Field<T>& field) {
 
 }  // namespace
 
-template <class T>
-Complex<T> Field<T>::branch(Index v, int k) const {
+Complex<double> Field::branch(Index v, int k) const {
   const int half = detail::independent_branches(n);
-  const Complex<T> root = detail::principal_root(u[v], n);
-  const Complex<T> z = detail::turned(root, detail::branch_turn<T>(k % half, n));
+  const Complex<double> root = detail::principal_root(u[v], n);
+  const Complex<double> z = detail::turned(root, detail::branch_turn(k % half, n));
   return k < half ? z : detail::opposite(z);
 }
 
-template <class T>
-Positions<T> Field<T>::vectors(int k) const {
+Positions<double> Field::vectors(int k) const {
   if (k < 0 || k >= n) throw OptionError("k", std::to_string(k), "branches are numbered 0 to n - 1");
   check_frames(*this);
-  const detail::Branches<T> branches(n);
-  Positions<T> out(u.size(), 3);
+  const detail::Branches branches(n);
+  Positions<double> out(u.size(), 3);
   parallel_for(u.size(), [&](std::int64_t v) { out.row(v) = branches.at(*this, static_cast<Index>(v)).vector(k); });
   return out;
 }
 
-template <class T>
-Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Field<T>::raw() const {
+Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Field::raw() const {
   check_frames(*this);
-  const detail::Branches<T> branches(n);
-  Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(u.size(), 3 * n);
+  const detail::Branches branches(n);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> out(u.size(), 3 * n);
   parallel_for(u.size(), [&](std::int64_t v) {
     const auto here = branches.at(*this, static_cast<Index>(v));
     for (int k = 0; k < n; ++k) out.template block<1, 3>(v, 3 * k) = here.vector(k);
@@ -55,66 +51,53 @@ Eigen::Matrix<T, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> Field<T>::raw(
   return out;
 }
 
-template <class T>
-Field<T> normalised(Field<T> field) {
+Field normalised(Field field) {
   parallel_for(field.u.size(), [&](std::int64_t v) {
-    const T modulus = std::abs(field.u[v]);
-    if (modulus > T(0)) field.u[v] /= modulus;
+    const double modulus = std::abs(field.u[v]);
+    if (modulus > double(0)) field.u[v] /= modulus;
   });
   return field;
 }
 
-template <class T>
-Field<T> from_vectors(int n, const Positions<T>& vectors, std::shared_ptr<const Frames<T>> frames) {
+Field from_vectors(int n, const Positions<double>& vectors, std::shared_ptr<const Frames> frames) {
   check_degree(n);
-  Field<T> field{n, ComplexVectorX<T>(vectors.rows()), std::move(frames)};
+  Field field{n, ComplexVectorX<double>(vectors.rows()), std::move(frames)};
   check_frames(field);
   parallel_for(vectors.rows(), [&](std::int64_t v) {
-    const Complex<T> z = field.frames->component(static_cast<Index>(v), vectors.row(v));
-    field.u[v] = std::polar(std::pow(std::abs(z), T(n)), T(n) * std::arg(z));
+    const Complex<double> z = field.frames->component(static_cast<Index>(v), vectors.row(v));
+    field.u[v] = std::polar(std::pow(std::abs(z), double(n)), double(n) * std::arg(z));
   });
   return field;
 }
 
-template <class T>
-Field<T> at_faces(const Mesh& mesh, const Geometry<T>&, const Connection<T>& connection, const Field<T>& field,
-                  std::shared_ptr<const Frames<T>> face_frames) {
+Field at_faces(const Mesh& mesh, const Geometry&, const Connection& connection, const Field& field,
+               std::shared_ptr<const Frames> face_frames) {
   if (field.u.size() != mesh.vertices())
     throw OptionError("u", std::to_string(field.u.size()) + " entries",
                       "needs one entry per vertex of the mesh, " + std::to_string(mesh.vertices()));
   // kernels/basis.h at the barycenter, the phases of many corners at a time.
   constexpr std::int64_t block = 256;
-  Field<T> out{field.n, ComplexVectorX<T>(mesh.faces()), std::move(face_frames)};
+  Field out{field.n, ComplexVectorX<double>(mesh.faces()), std::move(face_frames)};
   parallel_ranges(mesh.faces(), block, [&](std::int64_t begin, std::int64_t end) {
-    std::array<T, 3 * block> angles;
-    std::array<Complex<T>, 3 * block> phases;
+    std::array<double, 3 * block> angles;
+    std::array<Complex<double>, 3 * block> phases;
     for (std::int64_t first = begin; first < end; first += block) {
       const std::int64_t count = std::min(block, end - first);
-      const T* const rho = connection.rho_t.data() + 3 * first;
-      const T* const tau = connection.tau.data() + 3 * first;
+      const double* const rho = connection.rho_t.data() + 3 * first;
+      const double* const tau = connection.tau.data() + 3 * first;
       for (std::int64_t i = 0; i < 3 * count; i += 3)
         for (std::int64_t c = 0; c < 3; ++c)
           angles[static_cast<std::size_t>(i + c)] = rho[i + c] + (tau[i + c] - tau[i + (c + 2) % 3]) / 3;
-      detail::unit_numbers(3 * count, angles.data(), -T(field.n), phases.data());
+      detail::unit_numbers(3 * count, angles.data(), -double(field.n), phases.data());
       for (std::int64_t i = 0; i < count; ++i) {
-        Complex<T> sum = 0;
+        Complex<double> sum = 0;
         for (std::int64_t c = 0; c < 3; ++c)
           sum += detail::turned(field.u[mesh.F()(first + i, c)], phases[static_cast<std::size_t>(3 * i + c)]);
-        out.u[first + i] = sum / T(3);
+        out.u[first + i] = sum / double(3);
       }
     }
   });
   return out;
 }
-
-#define ALCAP_INSTANTIATE(T)                                                                         \
-  template struct Field<T>;                                                                          \
-  template Field<T> normalised(Field<T>);                                                            \
-  template Field<T> from_vectors(int, const Positions<T>&, std::shared_ptr<const Frames<T>>);        \
-  template Field<T> at_faces(const Mesh&, const Geometry<T>&, const Connection<T>&, const Field<T>&, \
-                             std::shared_ptr<const Frames<T>>);
-ALCAP_INSTANTIATE(float)
-ALCAP_INSTANTIATE(double)
-#undef ALCAP_INSTANTIATE
 
 }  // namespace alcap

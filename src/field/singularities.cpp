@@ -16,10 +16,10 @@ using Barycentric = std::array<double, 3>;
 double argument(const Complex<double>& z) { return z == Complex<double>(0) ? 0.0 : std::arg(z); }
 
 // Change of the field's argument along halfedge h, in [-pi, pi], from the arguments at its ends.
-double turn(const Mesh& mesh, const Connection<double>& connection, int n, Index h, double tail, double tip) {
+double turn(const Mesh& mesh, const Connection& connection, int n, Index h, double tail, double tip) {
   return wrap(tip - tail + n * connection.rho_along(mesh, h));
 }
-double turn_along(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field, Index h) {
+double turn_along(const Mesh& mesh, const Connection& connection, const Field& field, Index h) {
   return turn(mesh, connection, field.n, h, argument(field.u[mesh.tail(h)]), argument(field.u[mesh.tip(h)]));
 }
 
@@ -32,10 +32,10 @@ bool inside(const Barycentric& b) {
 
 // Newton's method from a start; at a zero the covariant derivative is the derivative. Steps are cut so that an iterate
 // stays within a triangle's size of the face. `scale` is the largest modulus at the corners.
-std::optional<Barycentric> newton(const FaceField<double>& f, double scale, Barycentric b) {
+std::optional<Barycentric> newton(const FaceField& f, double scale, Barycentric b) {
   constexpr int max_steps = 40;
   for (int step = 0; step < max_steps; ++step) {
-    const FieldValue<double> at = f.at(b);
+    const FieldValue at = f.at(b);
     if (std::abs(at.u) <= 1e-14 * scale) return b;
     const double det = (std::conj(at.d1) * at.d2).imag();
     if (det == 0.0) return std::nullopt;
@@ -54,7 +54,7 @@ std::optional<Barycentric> newton(const FaceField<double>& f, double scale, Bary
   return std::abs(f.at(b).u) <= 1e-10 * scale ? std::optional(b) : std::nullopt;
 }
 
-std::optional<Barycentric> find_zero(const FaceField<double>& f) {
+std::optional<Barycentric> find_zero(const FaceField& f) {
   double scale = 0;
   for (const Complex<double>& u : f.u) scale = std::max(scale, std::abs(u));
   if (scale == 0) return std::nullopt;
@@ -84,7 +84,7 @@ double positive_remainder(double angle, double period) {
 
 }  // namespace
 
-std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field) {
+std::vector<int> face_indices(const Mesh& mesh, const Connection& connection, const Field& field) {
   VectorX<double> arguments(mesh.vertices());
   parallel_for(mesh.vertices(), [&](std::int64_t v) { arguments[v] = argument(field.u[v]); });
   std::vector<int> indices(static_cast<std::size_t>(mesh.faces()));
@@ -97,20 +97,19 @@ std::vector<int> face_indices(const Mesh& mesh, const Connection<double>& connec
   return indices;
 }
 
-int face_index(const Mesh& mesh, const Connection<double>& connection, const Field<double>& field, Index t) {
+int face_index(const Mesh& mesh, const Connection& connection, const Field& field, Index t) {
   double turns = field.n * connection.K[t];
   for (Index h = 3 * t; h < 3 * t + 3; ++h) turns += turn_along(mesh, connection, field, h);
   return to_count(turns);
 }
 
-std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
-                                            const Connection<double>& connection, const Field<double>& field) {
+std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                            const Field& field) {
   return find_singularities(mesh, geometry, connection, field, face_indices(mesh, connection, field));
 }
 
-std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<double>& geometry,
-                                            const Connection<double>& connection, const Field<double>& field,
-                                            const std::vector<int>& indices) {
+std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                            const Field& field, const std::vector<int>& indices) {
   check_indices(mesh, indices);
   std::vector<Singularity> found;
   for (std::size_t t = 0; t < indices.size(); ++t)
@@ -119,12 +118,12 @@ std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<dou
       static_cast<std::int64_t>(found.size()),
       [&](std::int64_t i) {
         Singularity& s = found[static_cast<std::size_t>(i)];
-        const FaceField<double> f = face_field(mesh, geometry, connection, field.n, field.u, s.face);
+        const FaceField f = face_field(mesh, geometry, connection, field.n, field.u, s.face);
         const std::optional<Barycentric> zero = find_zero(f);
         s.located = zero.has_value();
         s.barycentric = zero.value_or(Barycentric{1.0 / 3, 1.0 / 3, 1.0 / 3});
         // Near the zero u = a w + b conj(w), a half of div + i curl, b half of the reflected pair.
-        const FieldValue<double> at = f.at(s.barycentric);
+        const FieldValue at = f.at(s.barycentric);
         if (s.index > 0) {
           const double angle = std::arg(at.div_curl());
           s.orientation =
@@ -137,9 +136,8 @@ std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry<dou
   return found;
 }
 
-std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry<double>& geometry,
-                                 const Connection<double>& connection, const Field<double>& field,
-                                 const std::vector<int>& indices, const Topology& topology) {
+std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                 const Field& field, const std::vector<int>& indices, const Topology& topology) {
   check_indices(mesh, indices);
   std::vector<IndexSum> sums(topology.components.size());
   for (std::size_t c = 0; c < sums.size(); ++c) sums[c].expected = field.n * std::int64_t{topology.components[c].euler};

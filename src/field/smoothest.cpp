@@ -18,15 +18,14 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
-SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
-                                const Connection<double>& connection, std::shared_ptr<const Frames<double>> frames,
-                                const SmoothestOptions& options) {
+SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                std::shared_ptr<const Frames> frames, const SmoothestOptions& options) {
   return smoothest_field(mesh, geometry, connection, find_topology(mesh), std::move(frames), options);
 }
 
-SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geometry,
-                                const Connection<double>& connection, const Topology& topology,
-                                std::shared_ptr<const Frames<double>> frames, const SmoothestOptions& options) {
+SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                const Topology& topology, std::shared_ptr<const Frames> frames,
+                                const SmoothestOptions& options) {
   if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
 
   const auto start = std::chrono::steady_clock::now();
@@ -34,9 +33,9 @@ SmoothestResult smoothest_field(const Mesh& mesh, const Geometry<double>& geomet
   result.field.n = options.n;
   result.field.frames = std::move(frames);
   // Made in place: Eigen's sparse matrices copy when they are moved.
-  const StiffnessMass<double> matrices = [&] {
+  const StiffnessMass matrices = [&] {
     const HermitianPattern pattern(mesh);
-    StiffnessMass<double> m = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
+    StiffnessMass m = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
     apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, m.S);
     return m;
   }();

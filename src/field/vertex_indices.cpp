@@ -10,7 +10,7 @@
 
 namespace alcap {
 
-std::vector<int> vertex_indices(const Mesh& mesh, const Geometry<double>& geometry, const Field<double>& face_field) {
+std::vector<int> vertex_indices(const Mesh& mesh, const Geometry& geometry, const Field& face_field) {
   if (face_field.u.size() != mesh.faces()) {
     throw OptionError("face_field.u", std::to_string(face_field.u.size()) + " rows", "must have one per face");
   }

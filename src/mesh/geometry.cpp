@@ -9,18 +9,17 @@
 #include <limits>
 #include <string>
 
-#include "src/simd/angles.h"
 #include "alcap/mesh_check.h"
 #include "src/base/parallel.h"
+#include "src/simd/angles.h"
 
 namespace alcap {
 
-template <class T>
-Geometry<T>::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<T>>& V) {
+Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& V) {
   if (V.rows() != mesh.vertices())
     throw OptionError("V", std::to_string(V.rows()) + " rows",
                       "needs one row per vertex of the mesh, " + std::to_string(mesh.vertices()));
-  using Point = Eigen::Matrix<T, 1, 3>;
+  using Point = Eigen::Matrix<double, 1, 3>;
   const std::int64_t faces = mesh.faces();
   angle_.resize(3 * faces);
   cot_.resize(3 * faces);
@@ -32,19 +31,19 @@ Geometry<T>::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<T>>& V)
         bool all_good = true;
         // Angles are taken of many corners at a time.
         constexpr std::int64_t block = 256;
-        std::array<T, 3 * block> height, width;
+        std::array<double, 3 * block> height, width;
         for (std::int64_t first = begin; first < end; first += block) {
           const std::int64_t count = std::min(block, end - first);
           for (std::int64_t i = 0; i < count; ++i) {
             const std::int64_t t = first + i;
             const Point p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
             // The comparison in degenerate() is false for NaN as well; infinite points give NaN areas.
-            all_good &= !degenerate<T>(p[0], p[1], p[2]);
+            all_good &= !degenerate(p[0], p[1], p[2]);
             const Point side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
-            const T twice_area = side[0].cross(side[1]).norm();
-            area_[t] = twice_area / T(2);
+            const double twice_area = side[0].cross(side[1]).norm();
+            area_[t] = twice_area / double(2);
             for (Index c = 0; c < 3; ++c) {
-              const T dot = -side[c].dot(side[(c + 2) % 3]);
+              const double dot = -side[c].dot(side[(c + 2) % 3]);
               height[static_cast<std::size_t>(3 * i + c)] = twice_area;
               width[static_cast<std::size_t>(3 * i + c)] = dot;
               cot_[3 * t + c] = dot / twice_area;
@@ -58,15 +57,14 @@ Geometry<T>::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<T>>& V)
       },
       [](bool a, bool b) { return a && b; });
   if (!good) {
-    const std::vector<DefectReport> defects = find_defects<T>(V, mesh.F());
+    const std::vector<DefectReport> defects = find_defects(V, mesh.F());
     if (defects.empty()) throw Error("internal error: a face was refused but no defect was found");
     throw_defect(defects.front());
   }
   sum_angles(mesh);
 }
 
-template <class T>
-Geometry<T> Geometry<T>::from_lengths(const Mesh& mesh, const VectorX<T>& lengths) {
+Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths) {
   if (lengths.size() != mesh.edges())
     throw OptionError("lengths", std::to_string(lengths.size()) + " entries",
                       "needs one per edge of the mesh, " + std::to_string(mesh.edges()));
@@ -76,25 +74,25 @@ Geometry<T> Geometry<T>::from_lengths(const Mesh& mesh, const VectorX<T>& length
   g.cot_.resize(mesh.halfedges());
   g.area_.resize(mesh.faces());
   parallel_for(mesh.faces(), [&](std::int64_t t) {
-    T l[3];
+    double l[3];
     for (Index c = 0; c < 3; ++c) l[c] = lengths[mesh.edge(static_cast<Index>(3 * t + c))];
     // Kahan's stable form of Heron's formula: sides sorted a >= b >= c.
-    T a = l[0], b = l[1], c = l[2];
+    double a = l[0], b = l[1], c = l[2];
     if (a < b) std::swap(a, b);
     if (b < c) std::swap(b, c);
     if (a < b) std::swap(a, b);
-    const T product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
-    const T twice_area = std::sqrt(product) / T(2);
-    g.area_[t] = twice_area / T(2);
+    const double product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
+    const double twice_area = std::sqrt(product) / double(2);
+    g.area_[t] = twice_area / double(2);
     for (Index k = 0; k < 3; ++k) {
-      const T before = l[(k + 2) % 3], after = l[k], opposite = l[(k + 1) % 3];
-      const T dot = (before * before + after * after - opposite * opposite) / T(2);
+      const double before = l[(k + 2) % 3], after = l[k], opposite = l[(k + 1) % 3];
+      const double dot = (before * before + after * after - opposite * opposite) / double(2);
       g.angle_[3 * t + k] = std::atan2(twice_area, dot);
       g.cot_[3 * t + k] = dot / twice_area;
     }
   });
   for (Index t = 0; t < mesh.faces(); ++t)
-    if (!(g.area_[t] > T(0)))
+    if (!(g.area_[t] > double(0)))
       throw MeshError("face " + std::to_string(t) +
                           " has edge lengths that make no triangle; every two sides must be longer than the third",
                       Defect::zero_area_face, Element::face, 1, {t});
@@ -102,18 +100,14 @@ Geometry<T> Geometry<T>::from_lengths(const Mesh& mesh, const VectorX<T>& length
   return g;
 }
 
-template <class T>
-void Geometry<T>::sum_angles(const Mesh& mesh) {
+void Geometry::sum_angles(const Mesh& mesh) {
   angle_sum_.resize(mesh.vertices());
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
-    T sum = 0;
+    double sum = 0;
     mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) { sum += angle_[h]; });
     angle_sum_[v] = sum;
   });
-  total_area_ = parallel_sum<T>(mesh.faces(), [&](std::int64_t t) { return area_[t]; });
+  total_area_ = parallel_sum<double>(mesh.faces(), [&](std::int64_t t) { return area_[t]; });
 }
-
-template class Geometry<float>;
-template class Geometry<double>;
 
 }  // namespace alcap

@@ -242,8 +242,7 @@ std::vector<DefectReport> find_defects(const FacesRef& F, std::int64_t vertex_co
   return reports;
 }
 
-template <class T>
-std::vector<DefectReport> find_defects(const Positions<T>& V, const FacesRef& F) {
+std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRef& F) {
   std::vector<DefectReport> reports;
   Found not_finite, zero_area, zero_length;
   std::vector<char> finite(static_cast<std::size_t>(V.rows()));
@@ -263,7 +262,7 @@ std::vector<DefectReport> find_defects(const Positions<T>& V, const FacesRef& F)
       short_edges.push_back({std::min(a, b), std::max(a, b)});
       has_length = false;
     }
-    if (has_length && degenerate<T>(V.row(F(t, 0)), V.row(F(t, 1)), V.row(F(t, 2)))) {
+    if (has_length && degenerate(V.row(F(t, 0)), V.row(F(t, 1)), V.row(F(t, 2)))) {
       zero_area.add(static_cast<Index>(t));
     }
   }
@@ -280,9 +279,6 @@ std::vector<DefectReport> find_defects(const Positions<T>& V, const FacesRef& F)
          "flip or collapse their longest edges, or move a corner");
   return reports;
 }
-
-template std::vector<DefectReport> find_defects<float>(const Positions<float>&, const FacesRef&);
-template std::vector<DefectReport> find_defects<double>(const Positions<double>&, const FacesRef&);
 
 void throw_defect(const DefectReport& report) {
   throw MeshError(report.message, report.defect, report.element, report.count, report.first);

@@ -8,8 +8,7 @@
 namespace alcap {
 namespace {
 
-template <class T>
-std::uint64_t hash(const T* p) {
+std::uint64_t hash(const double* p) {
   std::uint64_t h = 0;
   for (int d = 0; d < 3; ++d) {
     const double x = static_cast<double>(p[d]) + 0.0;  // -0 and 0 are the same place
@@ -21,14 +20,13 @@ std::uint64_t hash(const T* p) {
 }
 
 /// Per vertex the first vertex at the same position. Positions with NaN equal no other.
-template <class T>
-std::vector<Index> first_at_position(const Positions<T>& V) {
+std::vector<Index> first_at_position(const Positions<double>& V) {
   const auto n = static_cast<std::size_t>(V.rows());
   std::vector<Index> first(n);
   std::vector<Index> table(std::bit_ceil(2 * n + 1), none);
   const std::size_t mask = table.size() - 1;
   for (std::size_t v = 0; v < n; ++v) {
-    const T* const p = V.data() + 3 * v;
+    const double* const p = V.data() + 3 * v;
     first[v] = static_cast<Index>(v);
     if (p[0] != p[0] || p[1] != p[1] || p[2] != p[2]) continue;
     for (std::size_t slot = hash(p) & mask;; slot = (slot + 1) & mask) {
@@ -36,7 +34,7 @@ std::vector<Index> first_at_position(const Positions<T>& V) {
         table[slot] = static_cast<Index>(v);
         break;
       }
-      const T* const q = V.data() + 3 * static_cast<std::size_t>(table[slot]);
+      const double* const q = V.data() + 3 * static_cast<std::size_t>(table[slot]);
       if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) {
         first[v] = table[slot];
         break;
@@ -48,8 +46,7 @@ std::vector<Index> first_at_position(const Positions<T>& V) {
 
 }  // namespace
 
-template <class T>
-Faces repair_weld(const Positions<T>& V, const Eigen::Ref<const Faces>& F) {
+Faces repair_weld(const Positions<double>& V, const Eigen::Ref<const Faces>& F) {
   const std::vector<Index> first = first_at_position(V);
   Faces out = F;
   for (Eigen::Index t = 0; t < out.rows(); ++t) {
@@ -61,17 +58,11 @@ Faces repair_weld(const Positions<T>& V, const Eigen::Ref<const Faces>& F) {
   return out;
 }
 
-template <class T>
-std::int64_t duplicate_positions(const Positions<T>& V) {
+std::int64_t duplicate_positions(const Positions<double>& V) {
   const std::vector<Index> first = first_at_position(V);
   std::int64_t count = 0;
   for (std::size_t v = 0; v < first.size(); ++v) count += first[v] != static_cast<Index>(v);
   return count;
 }
-
-template Faces repair_weld<float>(const Positions<float>&, const Eigen::Ref<const Faces>&);
-template Faces repair_weld<double>(const Positions<double>&, const Eigen::Ref<const Faces>&);
-template std::int64_t duplicate_positions<float>(const Positions<float>&);
-template std::int64_t duplicate_positions<double>(const Positions<double>&);
 
 }  // namespace alcap

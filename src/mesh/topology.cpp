@@ -120,9 +120,8 @@ Topology find_topology(const Mesh& mesh) {
   return topology;
 }
 
-template <class T>
-std::vector<Piece<T>> split_components(const Mesh& mesh, const Positions<T>& V, const Topology& topology) {
-  std::vector<Piece<T>> pieces(topology.components.size());
+std::vector<Piece> split_components(const Mesh& mesh, const Positions<double>& V, const Topology& topology) {
+  std::vector<Piece> pieces(topology.components.size());
   for (std::size_t c = 0; c < pieces.size(); ++c) {
     pieces[c].vertices.reserve(at(topology.components[c].vertices));
     pieces[c].faces.reserve(at(topology.components[c].faces));
@@ -135,7 +134,7 @@ std::vector<Piece<T>> split_components(const Mesh& mesh, const Positions<T>& V, 
     pieces[at(c)].vertices.push_back(v);
   }
   for (Index t = 0; t < mesh.faces(); ++t) pieces[at(topology.face_component[at(t)])].faces.push_back(t);
-  for (Piece<T>& piece : pieces) {
+  for (Piece& piece : pieces) {
     piece.V.resize(static_cast<Eigen::Index>(piece.vertices.size()), 3);
     piece.F.resize(static_cast<Eigen::Index>(piece.faces.size()), 3);
     Eigen::Index row = 0;
@@ -149,15 +148,14 @@ std::vector<Piece<T>> split_components(const Mesh& mesh, const Positions<T>& V, 
   return pieces;
 }
 
-template <class T>
-Piece<T> extract_component(const Mesh& mesh, const Positions<T>& V, const Topology& topology, Index component) {
+Piece extract_component(const Mesh& mesh, const Positions<double>& V, const Topology& topology, Index component) {
   const auto count = static_cast<Index>(topology.components.size());
   if (component < 0 || component >= count) {
     throw OptionError("component", std::to_string(component),
                       "the mesh has " + std::to_string(count) + " components, numbered from 0");
   }
   const ComponentInfo& info = topology.components[at(component)];
-  Piece<T> piece{Positions<T>(info.vertices, 3), Faces(info.faces, 3), {}, {}};
+  Piece piece{Positions<double>(info.vertices, 3), Faces(info.faces, 3), {}, {}};
   piece.vertices.reserve(at(info.vertices));
   piece.faces.reserve(at(info.faces));
   std::vector<Index> number(at(mesh.vertices()), none);
@@ -175,10 +173,5 @@ Piece<T> extract_component(const Mesh& mesh, const Positions<T>& V, const Topolo
   }
   return piece;
 }
-
-template Piece<float> extract_component(const Mesh&, const Positions<float>&, const Topology&, Index);
-template Piece<double> extract_component(const Mesh&, const Positions<double>&, const Topology&, Index);
-template std::vector<Piece<float>> split_components(const Mesh&, const Positions<float>&, const Topology&);
-template std::vector<Piece<double>> split_components(const Mesh&, const Positions<double>&, const Topology&);
 
 }  // namespace alcap

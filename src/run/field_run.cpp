@@ -71,7 +71,7 @@ void remark_separate_pieces(const Positions<double>& V, const Mesh& mesh, const 
        .count = count});
 }
 
-void remark_slivers(const Geometry<double>& geometry, const Mesh& mesh, std::vector<Remark>& remarks) {
+void remark_slivers(const Geometry& geometry, const Mesh& mesh, std::vector<Remark>& remarks) {
   const double least = parallel_reduce(
       geometry.angles().size(), pi<double>,
       [&](std::int64_t begin, std::int64_t end) { return geometry.angles().segment(begin, end - begin).minCoeff(); },
@@ -166,7 +166,7 @@ FieldRun run_steps(const Positions<double>& V, Faces F, const FieldRunOptions& o
   if (!options.repairs.empty()) F = apply_repairs(V, F, options.repairs, run.remarks);
   run.mesh = Mesh(std::move(F), V.rows());
   run.topology = find_topology(run.mesh);
-  run.geometry = Geometry<double>(run.mesh, V);
+  run.geometry = Geometry(run.mesh, V);
   for (Remark& remark : mesh_remarks(V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(remark));
   run.times.mesh = watch.lap();
 
@@ -185,7 +185,7 @@ FieldRun run_steps(const Positions<double>& V, Faces F, const FieldRunOptions& o
 
   say("analysis");
   // Only now: the solve, which takes the most memory, needs no frames.
-  run.field.frames = std::make_shared<const Frames<double>>(vertex_frames(run.mesh, V, run.geometry, run.connection));
+  run.field.frames = std::make_shared<const Frames>(vertex_frames(run.mesh, V, run.geometry, run.connection));
   run.indices = face_indices(run.mesh, run.connection, run.field);
   run.index_sums = index_sums(run.mesh, run.geometry, run.connection, run.field, run.indices, run.topology);
   run.singularities = find_singularities(run.mesh, run.geometry, run.connection, run.field, run.indices);
@@ -221,14 +221,14 @@ Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vecto
   return repaired;
 }
 
-std::vector<Cone> make_cones(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options) {
+std::vector<Cone> make_cones(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options) {
   if (options.connection != ConnectionKind::trivial) return {};
   return options.balance_cones ? balance_cones(mesh, geometry, options.cones, {.n = options.n}) : options.cones;
 }
 
-Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry, const FieldRunOptions& options,
-                                   const std::vector<Cone>& cones) {
-  Connection<double> connection;
+Connection make_connection(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options,
+                           const std::vector<Cone>& cones) {
+  Connection connection;
   switch (options.connection) {
     case ConnectionKind::global:
       return globally_optimal(mesh, geometry, options.global);
@@ -250,7 +250,7 @@ Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geo
 }
 
 std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
-                                 const Geometry<double>& geometry) {
+                                 const Geometry& geometry) {
   std::vector<Remark> remarks;
   remark_unreferenced(mesh, remarks);
   remark_separate_pieces(V, mesh, topology, remarks);

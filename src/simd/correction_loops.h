@@ -3,8 +3,8 @@
 // correction_loops.h: picks the loops of correction_raw.h for this machine.
 #pragma once
 
-#include "src/simd/isa.h"
 #include "src/simd/correction_raw.h"
+#include "src/simd/isa.h"
 
 namespace alcap::detail::simd {
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// correction_raw.h: the arrays of src/connection/global/correction_system.h, and the loops over them that are compiled for several
-// instruction sets. Only pointers and numbers: these files must not pull in inline functions that the linker could
-// share with baseline code.
+// correction_raw.h: the arrays of src/connection/global/correction_system.h, and the loops over them that are compiled
+// for several instruction sets. Only pointers and numbers: these files must not pull in inline functions that the
+// linker could share with baseline code.
 //
 // The exchange has a row of four numbers for each side of an edge: mean, difference, tau, and one without meaning.
 #pragma once

@@ -10,9 +10,9 @@
 #include <sstream>
 
 #include "alcap/conventions.h"
-#include "src/base/parallel.h"
 #include "apps/alcap/tables/tables_harmonics.h"
 #include "apps/alcap/tables/tables_published.h"
+#include "src/base/parallel.h"
 
 using namespace alcap;
 using namespace alcap::app;

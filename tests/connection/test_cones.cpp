@@ -5,9 +5,9 @@
 
 #include <cmath>
 
-#include "alcap/smoothest.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
+#include "alcap/smoothest.h"
 #include "tests/support/mesh_helpers.h"
 
 using namespace alcap;
@@ -27,7 +27,7 @@ TEST_CASE(
   for (const Surface& surface :
        {bumpy_sphere(3, 0.3, 3), torus(30, 16, 1, 0.4), genus_surface(2, 3), genus_surface(3, 2)}) {
     const Mesh mesh(surface.F, surface.V.rows());
-    const Geometry<double> geometry(mesh, surface.V);
+    const Geometry geometry(mesh, surface.V);
     const int euler = find_topology(mesh).components[0].euler;
     for (const int n : {1, 2, 4}) {
       const std::vector<Cone> given = {{.vertex = 3, .index = 1.0 / n}};
@@ -35,8 +35,8 @@ TEST_CASE(
       CHECK(sum_of(cones) == doctest::Approx(euler));
       CHECK(cones[0].vertex == 3);
       CHECK(cones[0].index == 1.0 / n);
-      const Connection<double> connection = trivial(mesh, geometry, cones, {.n = n});
-      const Field<double> field = smoothest_field(mesh, geometry, connection, nullptr, {.n = n}).field;
+      const Connection connection = trivial(mesh, geometry, cones, {.n = n});
+      const Field field = smoothest_field(mesh, geometry, connection, nullptr, {.n = n}).field;
       const std::vector<int> indices = face_indices(mesh, connection, field);
       for (Index t = 0; t < mesh.faces(); ++t) {
         bool touches = false;
@@ -54,7 +54,7 @@ TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a 
   for (Eigen::Index v = 0; v < box.V.rows(); ++v)
     box.V.row(v) /= std::pow(box.V.row(v).array().pow(16).sum(), 1.0 / 16);
   const Mesh mesh(box.F, box.V.rows());
-  const Geometry<double> geometry(mesh, box.V);
+  const Geometry geometry(mesh, box.V);
   const std::vector<Cone> corners = balance_cones(mesh, geometry, {}, {.n = 4});
   CHECK(corners.size() == 8);
   for (const Cone& cone : corners) CHECK(box.V.row(cone.vertex).cwiseAbs().minCoeff() > 0.6);
@@ -62,7 +62,7 @@ TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a 
   Surface cigar = icosphere(3);
   cigar.V.col(2) *= 6;
   const Mesh other(cigar.F, cigar.V.rows());
-  const std::vector<Cone> ends = balance_cones(other, Geometry<double>(other, cigar.V), {}, {.n = 1});
+  const std::vector<Cone> ends = balance_cones(other, Geometry(other, cigar.V), {}, {.n = 1});
   REQUIRE(ends.size() == 2);
   for (const Cone& cone : ends) CHECK(std::abs(cigar.V(cone.vertex, 2)) > 4);
   CHECK(cigar.V(ends[0].vertex, 2) * cigar.V(ends[1].vertex, 2) < 0);
@@ -71,7 +71,7 @@ TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a 
 TEST_CASE("what is balanced stays, pieces are balanced on their own, boundaries need nothing, too much is taken back") {
   const Surface two = test::together(icosphere(2), torus(20, 10, 1, 0.4));
   const Mesh mesh(two.F, two.V.rows());
-  const Geometry<double> geometry(mesh, two.V);
+  const Geometry geometry(mesh, two.V);
   CHECK(balance_cones(mesh, geometry, {{0, 1}, {40, 1}}, {.n = 1}).size() == 2);
   const std::vector<Cone> cones = balance_cones(mesh, geometry, {{0, 3}, {200, 0.5}}, {.n = 2});
   double sphere = 0, ring = 0;
@@ -81,7 +81,7 @@ TEST_CASE("what is balanced stays, pieces are balanced on their own, boundaries 
 
   const Surface open = disk(5);
   const Mesh rim(open.F, open.V.rows());
-  CHECK(balance_cones(rim, Geometry<double>(rim, open.V), {}, {.n = 4}).empty());
+  CHECK(balance_cones(rim, Geometry(rim, open.V), {}, {.n = 4}).empty());
   CHECK_THROWS_AS((void)balance_cones(mesh, geometry, {{0, 0.3}}, {.n = 2}), OptionError);
   CHECK_THROWS_AS((void)balance_cones(mesh, geometry, {{-1, 1}}, {.n = 2}), OptionError);
   CHECK_THROWS_AS((void)balance_cones(mesh, geometry, {}, {.n = 0}), OptionError);

@@ -11,9 +11,9 @@
 
 #include "alcap/connection.h"
 #include "alcap/generators.h"
-#include "src/base/parallel.h"
 #include "kernels/connection_energy.h"
 #include "kernels/face_relaxation.h"
+#include "src/base/parallel.h"
 #include "src/connection/global/correction_system.h"
 #include "src/connection/global/face_pairs.h"
 
@@ -148,7 +148,7 @@ TEST_CASE("pairs: every face is in one or alone, and the other edges are the out
                               single_triangle()};
   for (const Surface& surface : surfaces) {
     const Mesh mesh(surface.F, surface.V.rows());
-    const Geometry<double> geometry(mesh, surface.V);
+    const Geometry geometry(mesh, surface.V);
     detail::FacePairs one;
     run_with_threads(1, [&] { one = detail::pair_faces(mesh, geometry); });
     const detail::FacePairs p = detail::pair_faces(mesh, geometry);
@@ -178,7 +178,7 @@ TEST_CASE("pairs: every face is in one or alone, and the other edges are the out
 TEST_CASE("all instruction sets give the same bits") {
   const Surface surface = noisy_scan(3, 0.1, 1);
   const Mesh mesh(surface.F, surface.V.rows());
-  const Geometry<double> geometry(mesh, surface.V);
+  const Geometry geometry(mesh, surface.V);
   const detail::FacePairs faces = detail::pair_faces(mesh, geometry);
   REQUIRE(faces.singles > 0);
   std::vector<std::array<float, 3>> first;

@@ -2,9 +2,9 @@
 #include <doctest/doctest.h>
 
 #include "alcap/connection.h"
-#include "alcap/smoothest.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
+#include "alcap/smoothest.h"
 #include "tests/support/mesh_case.h"
 
 using namespace alcap;
@@ -25,7 +25,7 @@ struct Case : test::MeshCase {
 };
 
 // Total curvature that the connection puts around an interior vertex: 2 pi minus the angles seen.
-double curvature_at(const Case& s, const Connection<double>& c, Index v) {
+double curvature_at(const Case& s, const Connection& c, Index v) {
   double sum = 2 * pi<double>;
   s.mesh.for_each_outgoing(v, [&](Index h) { sum -= s.geometry.angle(h) + c.alpha[h] - c.alpha[Mesh::prev(h)]; });
   return sum;
@@ -43,7 +43,7 @@ std::vector<Cone> spread(const Mesh& mesh, std::initializer_list<double> indices
   return cones;
 }
 
-void check_flat_off_cones(const Case& s, const Connection<double>& c, const std::vector<Cone>& cones) {
+void check_flat_off_cones(const Case& s, const Connection& c, const std::vector<Cone>& cones) {
   double worst = 0;
   for (Index t = 0; t < s.mesh.faces(); ++t)
     if (!s.touches(t, cones)) worst = std::max(worst, std::abs(c.K[t]));
@@ -56,13 +56,13 @@ void check_flat_off_cones(const Case& s, const Connection<double>& c, const std:
   CHECK(worst < 1e-9);
 }
 
-void check_holonomies(const Case& s, const Connection<double>& c, int n) {
+void check_holonomies(const Case& s, const Connection& c, int n) {
   for (const Loop& strip : homology_generators(s.mesh, s.topology))
     CHECK(std::abs(wrap(n * holonomy(s.mesh, s.geometry, c, strip))) < 1e-8);
 }
 
 // The smoothest field of the connection is parallel away from the cones: its singularities touch them.
-void check_singularities(const Case& s, const Connection<double>& c, const std::vector<Cone>& cones, int n) {
+void check_singularities(const Case& s, const Connection& c, const std::vector<Cone>& cones, int n) {
   const auto result = smoothest_field(s.mesh, s.geometry, c, nullptr, {.n = n});
   CHECK(result.components[0].converged);
   int sum = 0;
@@ -175,13 +175,4 @@ TEST_CASE("cones that cannot be are refused with the reason") {
   CHECK(reason({{0, 2}}, {.n = 0}).find("'n'") != std::string::npos);
   const Case open(disk(3));
   CHECK_THROWS_AS((void)trivial(open.mesh, open.geometry, {{open.mesh.vertices() - 1, 1}}, {.n = 1}), OptionError);
-}
-
-TEST_CASE("float agrees with double") {
-  const Case s(jittered_sphere(2, 0.2, 4));
-  const auto cones = spread(s.mesh, {1, 1});
-  const Geometry<float> geometry(s.mesh, s.surface.V.cast<float>());
-  const auto f = trivial(s.mesh, geometry, cones, {.n = 1});
-  const auto d = trivial(s.mesh, s.geometry, cones, {.n = 1});
-  CHECK((f.K.cast<double>() - d.K).cwiseAbs().maxCoeff() < 1e-5);
 }

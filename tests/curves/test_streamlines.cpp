@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "src/base/random.h"
+#include "alcap/field_run.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
-#include "src/base/parallel.h"
-#include "alcap/field_run.h"
 #include "alcap/streamlines.h"
+#include "src/base/parallel.h"
+#include "src/base/random.h"
 
 namespace alcap {
 namespace {
@@ -30,44 +30,44 @@ struct Scene {
         mesh(s.F, V.rows()),
         geometry(mesh, V),
         connection(globally_optimal(mesh, geometry)),
-        frames(std::make_shared<const Frames<double>>(vertex_frames(mesh, V, connection))) {}
+        frames(std::make_shared<const Frames>(vertex_frames(mesh, V, connection))) {}
 
   /// The n-field with this vector at every vertex; its length is taken to the n-th power too.
   template <class At>
-  [[nodiscard]] Field<double> field(int n, At&& at) const {
+  [[nodiscard]] Field field(int n, At&& at) const {
     Positions<double> vectors(V.rows(), 3);
     for (Index v = 0; v < mesh.vertices(); ++v) vectors.row(v) = at(Point(V.row(v)));
-    return from_vectors<double>(n, vectors, frames);
+    return from_vectors(n, vectors, frames);
   }
   /// The n-field whose n-th power is a function of x + iy, on surfaces in the plane z = 0.
   template <class At>
-  [[nodiscard]] Field<double> planar(int n, At&& at) const {
-    Field<double> out{.n = n, .u = ComplexVectorX<double>(V.rows()), .frames = frames};
+  [[nodiscard]] Field planar(int n, At&& at) const {
+    Field out{.n = n, .u = ComplexVectorX<double>(V.rows()), .frames = frames};
     for (Index v = 0; v < mesh.vertices(); ++v) {
       const double axis = std::atan2(frames->X(v, 1), frames->X(v, 0));
       out.u[v] = at(Complex<double>(V(v, 0), V(v, 1))) * std::polar(1.0, -n * axis);
     }
     return out;
   }
-  [[nodiscard]] Field<double> random(int n, std::uint64_t seed) const {
-    Field<double> out{.n = n, .u = ComplexVectorX<double>(V.rows()), .frames = frames};
+  [[nodiscard]] Field random(int n, std::uint64_t seed) const {
+    Field out{.n = n, .u = ComplexVectorX<double>(V.rows()), .frames = frames};
     detail::Random random(seed);
     for (Index v = 0; v < mesh.vertices(); ++v) out.u[v] = {random.uniform() - 0.5, random.uniform() - 0.5};
     return out;
   }
-  CurveSet even(const Field<double>& f, const StreamlineOptions& o = {}) const {
+  CurveSet even(const Field& f, const StreamlineOptions& o = {}) const {
     return streamlines(mesh, V, geometry, connection, f, o);
   }
-  CurveSet trace(const Field<double>& f, std::vector<CurveSeed> seeds, const StreamlineOptions& o = {}) const {
+  CurveSet trace(const Field& f, std::vector<CurveSeed> seeds, const StreamlineOptions& o = {}) const {
     return trace_curves(mesh, V, geometry, connection, f, seeds, o);
   }
   [[nodiscard]] Point corner(Index t, Index c) const { return V.row(mesh.F()(t, c)); }
 
   Positions<double> V;
   Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
-  std::shared_ptr<const Frames<double>> frames;
+  Geometry geometry;
+  Connection connection;
+  std::shared_ptr<const Frames> frames;
 };
 
 constexpr std::array<double, 3> middle{1.0 / 3, 1.0 / 3, 1.0 / 3};
@@ -123,7 +123,7 @@ void check_well_formed(const Scene& s, const CurveSet& c) {
 
 TEST_CASE("On a disk the curves of the rotation are circles, closed to rounding") {
   const Scene s(disk(12));
-  const Field<double> f = s.planar(1, [](Complex<double> w) { return Complex<double>(0, 1) * w; });
+  const Field f = s.planar(1, [](Complex<double> w) { return Complex<double>(0, 1) * w; });
   std::vector<CurveSeed> seeds;
   for (Index t = 10; t < 600; t += 61) seeds.push_back({{t, {0.5, 0.3, 0.2}}, 0.3});
   for (const CurveSides sides : {CurveSides::forward, CurveSides::backward}) {
@@ -151,7 +151,7 @@ TEST_CASE("On the sphere the curves of a rotation close to 1e-6") {
   // The mesh is symmetric about planes that hold the axis, so that its curves are closed too, though no circles.
   for (const int level : {2, 3, 4}) {
     const Scene s(icosphere(level));
-    const Field<double> f = s.field(1, [](const Point& x) { return Point(-x[1], x[0], 0); });
+    const Field f = s.field(1, [](const Point& x) { return Point(-x[1], x[0], 0); });
     std::vector<CurveSeed> seeds;
     for (Index t = 3; t < s.mesh.faces(); t += 37) seeds.push_back({{t, {0.5, 0.3, 0.2}}, 0.0});
     const CurveSet c = s.trace(f, seeds, {.max_length = 10, .sides = CurveSides::forward});
@@ -175,7 +175,7 @@ TEST_CASE("On the flat torus the curves of parallel fields are straight and clos
   const Mesh mesh(torus.F, torus.vertices);
   VectorX<double> lengths(mesh.edges());
   for (Index h = 0; h < mesh.halfedges(); ++h) lengths[mesh.edge(h)] = torus.lengths(h / 3, h % 3);
-  const auto geometry = Geometry<double>::from_lengths(mesh, lengths);
+  const auto geometry = Geometry::from_lengths(mesh, lengths);
   const auto connection = globally_optimal(mesh, geometry);
   // In the plane, vertex (i,j) at (i / nu, j / nv). Differences are taken modulo 1.
   Positions<double> V(torus.vertices, 3);
@@ -189,7 +189,7 @@ TEST_CASE("On the flat torus the curves of parallel fields are straight and clos
   for (const int n : {1, 2, 4})
     for (const double slope : {0.5, 0.0, -3.0, std::sqrt(2.0)}) {
       const double angle = std::atan(slope);
-      Field<double> f{.n = n, .u = ComplexVectorX<double>::Zero(torus.vertices), .frames = {}};
+      Field f{.n = n, .u = ComplexVectorX<double>::Zero(torus.vertices), .frames = {}};
       for (Index v = 0; v < mesh.vertices(); ++v) {
         const Index h = mesh.first(v);
         const Point d = along(h);
@@ -232,7 +232,7 @@ TEST_CASE("On the flat torus the curves of parallel fields are straight and clos
 
 TEST_CASE("Along the curves of a gradient the potential rises, from one zero to the other") {
   const Scene s(icosphere(3));
-  const Field<double> f = s.field(1, [](const Point& x) { return Point(Point(0, 0, 1) - x[2] * x); });
+  const Field f = s.field(1, [](const Point& x) { return Point(Point(0, 0, 1) - x[2] * x); });
   const CurveSet c = s.trace(f, seeds_everywhere(s, 17));
   check_well_formed(s, c);
   for (std::int64_t k = 0; k < c.size(); ++k) {
@@ -367,7 +367,7 @@ TEST_CASE("Evenly spaced curves keep their distance and leave no gaps") {
 
 TEST_CASE("The circles of a rotation come out closed when they are evenly spaced") {
   const Scene s(disk(20));
-  const Field<double> f = s.planar(1, [](Complex<double> w) { return Complex<double>(0, 1) * w; });
+  const Field f = s.planar(1, [](Complex<double> w) { return Complex<double>(0, 1) * w; });
   const CurveSet c = s.even(f, {.spacing = 0.03});
   check_well_formed(s, c);
   std::int64_t loops = 0;
@@ -387,7 +387,7 @@ TEST_CASE("Separatrices are the straight branches of known singularities") {
     for (const double turned : {0.0, 0.4, 2.0}) {
       // u = e^{i turned} w or its mirror image, w from a point inside a face.
       const Complex<double> centre(0.031, 0.017);
-      const Field<double> f = s.planar(known.n, [&](Complex<double> w) {
+      const Field f = s.planar(known.n, [&](Complex<double> w) {
         return std::polar(1.0, turned) * (known.index > 0 ? w - centre : std::conj(w - centre));
       });
       const auto zeros = find_singularities(s.mesh, s.geometry, s.connection, f);
@@ -433,7 +433,7 @@ TEST_CASE("Curves end, finite and on the surface, on slivers, at vertices and fo
     for (const int n : {1, 4, 30}) {
       CAPTURE(m.name);
       CAPTURE(n);
-      const Field<double> f = s.random(n, 5);
+      const Field f = s.random(n, 5);
       const Index every = std::max<Index>(1, s.mesh.faces() / 12);
       const CurveSet c = s.trace(f, seeds_everywhere(s, every), {.max_length = 1});
       check_well_formed(s, c);
@@ -464,7 +464,7 @@ TEST_CASE("Smooth fields on slivers do not get stuck") {
 
 TEST_CASE("A field that vanishes, on a face or everywhere, has curves of one point there") {
   const Scene s(icosphere(1));
-  Field<double> f = s.random(2, 3);
+  Field f = s.random(2, 3);
   f.u.setZero();
   const CurveSet c = s.trace(f, seeds_everywhere(s, 5));
   check_well_formed(s, c);
@@ -514,7 +514,7 @@ TEST_CASE("Curves scale with the mesh") {
 
 TEST_CASE("Bad options and seeds are named") {
   const Scene s(icosphere(1));
-  const Field<double> f = s.random(2, 3);
+  const Field f = s.random(2, 3);
   const auto field_of = [](const auto& call) -> std::string {
     try {
       call();
@@ -535,7 +535,7 @@ TEST_CASE("Bad options and seeds are named") {
   CHECK(field_of([&] { s.trace(f, {{{80, middle}, 0}}); }) == "seeds[0]");
   CHECK(field_of([&] { s.trace(f, {{{0, middle}, 0}, {{0, {2, -1, 0}}, 0}}); }) == "seeds[1]");
   CHECK(field_of([&] { s.trace(f, {{{0, middle}, nan}}); }) == "seeds[0].angle");
-  Field<double> bad = f;
+  Field bad = f;
   bad.u[7] = nan;
   CHECK(field_of([&] { s.even(bad); }) == "field.u");
   bad.u.conservativeResize(3);

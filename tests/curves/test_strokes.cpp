@@ -6,9 +6,9 @@
 #include <Eigen/Geometry>
 #include <set>
 
-#include "src/base/random.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
+#include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 #include "tests/support/mesh_helpers.h"
 
@@ -20,7 +20,7 @@ using Row = Eigen::RowVector3d;
 
 struct Case : test::MeshCase {
   using MeshCase::MeshCase;
-  Frames<double> frames = face_frames(mesh, surface.V);
+  Frames frames = face_frames(mesh, surface.V);
   [[nodiscard]] Row at(Index face, const std::array<double, 3>& b) const {
     Row x = Row::Zero();
     for (Index c = 0; c < 3; ++c) x += b[static_cast<std::size_t>(c)] * surface.V.row(mesh.F()(face, c));

@@ -9,12 +9,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "alcap/smoothest.h"
 #include "alcap/designer.h"
-#include "src/base/random.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
+#include "alcap/smoothest.h"
+#include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 
 using namespace alcap;
@@ -28,7 +28,7 @@ struct Case : test::ConnectedCase {
   [[nodiscard]] Designer designer(const DesignerOptions& options) const {
     return Designer(mesh, surface.V, geometry, connection, options);
   }
-  [[nodiscard]] StiffnessMass<double> matrices(int n) const {
+  [[nodiscard]] StiffnessMass matrices(int n) const {
     const HermitianPattern pattern(mesh);
     return stiffness_and_mass(mesh, pattern, geometry, connection, n);
   }
@@ -97,10 +97,9 @@ TEST_CASE("fields align with the boundary, along and across, for every n") {
       CHECK(relative(across.field.u, turn * along.field.u) < 1e-7);
       // The rim of the disk, directly: the field there against the circle.
       if (surface.F.rows() == disk(12).F.rows()) {
-        const Field<double> field{
-            .n = n,
-            .u = along.field.u,
-            .frames = std::make_shared<const Frames<double>>(vertex_frames(s.mesh, surface.V, s.connection))};
+        const Field field{.n = n,
+                          .u = along.field.u,
+                          .frames = std::make_shared<const Frames>(vertex_frames(s.mesh, surface.V, s.connection))};
         for (Index v = 0; v < s.mesh.vertices(); ++v) {
           if (!s.mesh.boundary_vertex(v)) continue;
           const Eigen::RowVector3d x = surface.V.row(v);

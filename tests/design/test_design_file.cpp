@@ -13,9 +13,9 @@
 #include <set>
 #include <sstream>
 
-#include "src/base/random.h"
 #include "alcap/errors.h"
 #include "alcap/generators.h"
+#include "src/base/random.h"
 
 using namespace alcap;
 using Json = nlohmann::json;
@@ -85,9 +85,9 @@ std::string without(const std::string& object, const std::string& key) {
 struct Ball {
   Surface surface = icosphere(3);
   Mesh mesh{surface.F, surface.V.rows()};
-  Geometry<double> geometry{mesh, surface.V};
-  Connection<double> connection = polar(mesh, geometry);
-  Frames<double> frames = vertex_frames(mesh, surface.V, connection);
+  Geometry geometry{mesh, surface.V};
+  Connection connection = polar(mesh, geometry);
+  Frames frames = vertex_frames(mesh, surface.V, connection);
   [[nodiscard]] std::vector<DesignControl> controls(const DesignFile& d) const {
     return design_controls(place_design(d, mesh, surface.V), mesh, surface.V, geometry, frames);
   }
@@ -442,8 +442,8 @@ TEST_CASE("angles: swirl of vectors, directions from the first edge or a directi
     d.fixed = {{.vertex = 40, .direction = Vector3{1, 2, 3}, .length = 2},
                {.vertex = 41, .angle = 90.0, .relative_to = Vector3{1, 2, 3}}};
     const auto controls = ball.controls(d);
-    Field<double> field{.n = n, .u = ComplexVectorX<double>::Ones(ball.mesh.vertices()), .frames = nullptr};
-    field.frames = std::make_shared<const Frames<double>>(ball.frames);
+    Field field{.n = n, .u = ComplexVectorX<double>::Ones(ball.mesh.vertices()), .frames = nullptr};
+    field.frames = std::make_shared<const Frames>(ball.frames);
     for (const auto& c : controls) {
       const auto& v = std::get<VertexConstraint>(c.control);
       field.u[v.vertex] = v.value;

@@ -3,12 +3,12 @@
 
 #include <Eigen/Dense>
 
-#include "alcap/smoothest.h"
 #include "alcap/designer.h"
-#include "src/base/random.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
+#include "alcap/smoothest.h"
+#include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 
 using namespace alcap;

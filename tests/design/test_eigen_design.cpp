@@ -6,10 +6,10 @@
 #include <cmath>
 #include <functional>
 
-#include "src/base/random.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
+#include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 #include "tests/support/mesh_helpers.h"
 
@@ -215,7 +215,7 @@ TEST_CASE("the gauge and the unit of length do not matter") {
     detail::Random random(3);
     VectorX<double> angle(s.mesh.vertices());
     for (double& x : angle) x = random.uniform(-1, 1);
-    Connection<double>& c = turned.connection;
+    Connection& c = turned.connection;
     for (Index h = 0; h < s.mesh.halfedges(); ++h) c.rho_t[h] += angle[s.mesh.tail(h)];
     for (Index e = 0; e < s.mesh.edges(); ++e) {
       const Index i = s.mesh.tail(s.mesh.halfedge(e)), j = s.mesh.tip(s.mesh.halfedge(e));
@@ -313,7 +313,7 @@ TEST_CASE("singularities as terms of the mass: index and orientation in the aske
 
 TEST_CASE("strokes and singularities together, on the connection of the surface and on a trivial one") {
   Case s(bumpy_sphere(3, 0.1, 2.3));
-  const Connection<double> surface_connection = s.connection;
+  const Connection surface_connection = s.connection;
   for (const bool flat : {false, true}) {
     s.connection = flat ? trivial(s.mesh, s.geometry, {{0, 1.0}, {11, 1.0}}, {.n = 1}) : surface_connection;
     const SurfacePolyline line = s.stroke(great_circle, 40, 1.1);

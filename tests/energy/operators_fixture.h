@@ -9,9 +9,9 @@
 #include <functional>
 #include <vector>
 
-#include "src/base/random.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
+#include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 
 namespace alcap::test {
@@ -30,7 +30,7 @@ inline Vec random_field(const Mesh& mesh, detail::Random& random) {
 }
 
 /// Any connection at all: every angle moved by up to `size`, lifts kept consistent.
-inline Connection<double> scrambled(const Mesh& mesh, Connection<double> c, double size, detail::Random& random) {
+inline Connection scrambled(const Mesh& mesh, Connection c, double size, detail::Random& random) {
   const auto any = [&] { return random.uniform(-size, size); };
   for (Index e = 0; e < mesh.edges(); ++e) {
     const double at_tail = any(), at_tip = any(), along = any();
@@ -85,7 +85,7 @@ inline C over_triangle(double area, const std::function<C(const std::array<doubl
 inline double relative(const Vec& a, const Vec& b) { return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff(); }
 
 /// Components of tangential vectors in space as an n-field: (component)^n.
-inline Vec components(const Frames<double>& frames, const std::function<Row(Index)>& vector, int n = 1) {
+inline Vec components(const Frames& frames, const std::function<Row(Index)>& vector, int n = 1) {
   Vec u(frames.X.rows());
   for (Index v = 0; v < u.size(); ++v) u[v] = std::pow(frames.component(v, vector(v)), n);
   return u;

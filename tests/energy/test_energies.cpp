@@ -3,11 +3,11 @@
 
 #include <Eigen/Eigenvalues>
 
-#include "src/base/random.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
 #include "src/base/parallel.h"
+#include "src/base/random.h"
 
 using namespace alcap;
 
@@ -17,8 +17,8 @@ using C = std::complex<double>;
 
 struct Case {
   Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
+  Geometry geometry;
+  Connection connection;
   HermitianPattern pattern;
   explicit Case(const Surface& s)
       : mesh(s.F, s.V.rows()), geometry(mesh, s.V), connection(globally_optimal(mesh, geometry)), pattern(mesh) {}
@@ -44,12 +44,12 @@ Integrals quadrature(const Case& s, int n, const ComplexVectorX<double>& u) {
                               0.181341891689181,  0.156853322938944, 0.111190517226687, 0.0506142681451881};
   Integrals sum;
   for (Index t = 0; t < s.mesh.faces(); ++t) {
-    const FaceField<double> field = face_field(s.mesh, s.geometry, s.connection, n, u, t);
+    const FaceField field = face_field(s.mesh, s.geometry, s.connection, n, u, t);
     for (int i = 0; i < 8; ++i)
       for (int j = 0; j < 8; ++j) {
         const double a = x[i], b = (1 - x[i]) * x[j];
         const double weight = 2 * s.geometry.area(t) * w[i] * w[j] * (1 - x[i]);
-        const FieldValue<double> at = field.at({a, b, 1 - a - b});
+        const FieldValue at = field.at({a, b, 1 - a - b});
         sum.mass += weight * std::norm(at.u);
         sum.dirichlet += weight * at.squared_gradient();
         sum.antiholomorphic += weight / 2 * std::norm(at.div_curl());
@@ -158,7 +158,7 @@ TEST_CASE("S does not change with scale and M changes with area") {
   Surface surface = jittered_sphere(2, 0.2, 8);
   const Case s(surface);
   surface.V *= 1e-6;
-  const Geometry<double> small(s.mesh, surface.V);
+  const Geometry small(s.mesh, surface.V);
   const auto a = stiffness_and_mass(s.mesh, s.pattern, s.geometry, s.connection, 4);
   const auto b = stiffness_and_mass(s.mesh, s.pattern, small, s.connection, 4);
   const auto u = random_field(s.mesh.vertices(), 1);
@@ -166,22 +166,16 @@ TEST_CASE("S does not change with scale and M changes with area") {
   CHECK(form(b.M, u) == doctest::Approx(1e-12 * form(a.M, u)).epsilon(1e-9));
 }
 
-TEST_CASE("thread count changes no bit and float follows double") {
+TEST_CASE("thread count changes no bit") {
   const Surface surface = jittered_sphere(4, 0.2, 5);
   const Case s(surface);
-  StiffnessMass<double> a, b;
+  StiffnessMass a, b;
   run_with_threads(1, [&] { a = stiffness_and_mass(s.mesh, HermitianPattern(s.mesh), s.geometry, s.connection, 4); });
   run_with_threads(4, [&] { b = stiffness_and_mass(s.mesh, HermitianPattern(s.mesh), s.geometry, s.connection, 4); });
   for (Index k = 0; k < a.S.nonZeros(); ++k) {
     REQUIRE(a.S.valuePtr()[k] == b.S.valuePtr()[k]);
     REQUIRE(a.M.valuePtr()[k] == b.M.valuePtr()[k]);
   }
-  const Geometry<float> geometry(s.mesh, surface.V.cast<float>());
-  const auto f = stiffness_and_mass(s.mesh, s.pattern, geometry, globally_optimal(s.mesh, geometry), 4);
-  double worst = 0;
-  for (Index v = 0; v < s.mesh.vertices(); ++v)
-    worst = std::max(worst, std::abs(f.S.coeff(v, v).real() / a.S.coeff(v, v).real() - 1));
-  CHECK(worst < 1e-4);
 }
 
 TEST_CASE("unreferenced vertices have empty rows and a pattern of another mesh is refused") {

@@ -73,7 +73,7 @@ TEST_CASE("the rotation field of the sphere: no divergence, curl 2 w.n, and erro
     for (const int level : {2, 3, 4}) {
       const Case c(icosphere(level));
       const auto connection = globally_optimal(c.mesh, c.geometry);
-      Frames<double> frames = vertex_frames(c.mesh, c.surface.V, connection);
+      Frames frames = vertex_frames(c.mesh, c.surface.V, connection);
       const Vec u = components(frames, [&](Index v) -> Row { return axis.cross(Row(c.surface.V.row(v))); });
       const auto ops = first_order_operators(c.mesh, c.geometry, connection, {1, kind});
       const Vec f = apply(c.mesh, ops.p, u);
@@ -163,21 +163,5 @@ TEST_CASE("the sparse matrix, the product and the adjoint are one operator") {
     CHECK(matrix.nonZeros() == 3 * c.mesh.faces());
     CHECK(relative(apply(c.mesh, a, u), matrix * u) < 1e-14);
     CHECK(relative(apply_adjoint(c.mesh, a, w), matrix.adjoint() * w) < 1e-14);
-  }
-}
-
-TEST_CASE("float agrees with double to rounding") {
-  detail::Random random(12);
-  const Case c(jittered_sphere(2, 0.2, 13));
-  const Geometry<float> geometry(c.mesh, Positions<float>(c.surface.V.cast<float>()));
-  const auto in_double = polar(c.mesh, c.geometry);
-  const auto in_float = polar(c.mesh, geometry);
-  for (const auto kind : {OperatorKind::edge, OperatorKind::triangle}) {
-    for (const int n : {1, 4}) {
-      const auto a = first_order_operators(c.mesh, c.geometry, in_double, {n, kind});
-      const auto b = first_order_operators(c.mesh, geometry, in_float, {n, kind});
-      CHECK(relative(b.p.cast<C>(), a.p) < 2e-4);
-      CHECK(relative(b.q.cast<C>(), a.q) < 2e-4);
-    }
   }
 }

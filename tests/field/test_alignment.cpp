@@ -20,11 +20,11 @@ using Row = Eigen::RowVector3d;
 
 struct Case : test::FramedCase {
   using FramedCase::FramedCase;
-  [[nodiscard]] Field<double> curvature(const CurvatureOptions& options) const {
+  [[nodiscard]] Field curvature(const CurvatureOptions& options) const {
     return curvature_field(mesh, surface.V, geometry, connection, frames, options);
   }
   // Angle between a field's nearest branch and a direction of space.
-  [[nodiscard]] double off(const Field<double>& field, Index v, const Row& direction) const {
+  [[nodiscard]] double off(const Field& field, Index v, const Row& direction) const {
     return std::abs(wrap(std::arg(field.u[v]) - field.n * std::arg(frames->component(v, direction)))) / field.n;
   }
 };
@@ -37,7 +37,7 @@ TEST_CASE("on a torus the directions are those of its circles, and the length ha
     const Case s(surface);
     for (const int n : {2, 4, 6})
       for (const bool smallest : {false, true}) {
-        const Field<double> field = s.curvature({.n = n, .smallest = smallest});
+        const Field field = s.curvature({.n = n, .smallest = smallest});
         double worst = 0, relative = 0;
         for (Index v = 0; v < s.mesh.vertices(); ++v) {
           const Row x = surface.V.row(v);
@@ -57,7 +57,7 @@ TEST_CASE("on a torus the directions are those of its circles, and the length ha
 
 TEST_CASE("an open cylinder bends around, never along; spheres and planes know no direction") {
   const Case pipe(cylinder(60, 20));
-  const Field<double> field = pipe.curvature({.n = 2});
+  const Field field = pipe.curvature({.n = 2});
   for (Index v = 0; v < pipe.mesh.vertices(); ++v) {
     if (pipe.mesh.boundary_vertex(v)) continue;
     const Row x = pipe.surface.V.row(v);
@@ -77,7 +77,7 @@ TEST_CASE("the field turns with the surface, scales with curvature, and does not
   const Eigen::Matrix3d Q = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   turned.V = 3 * bumpy.V * Q.transpose();
   const Case t(turned);
-  const Field<double> a = s.curvature({.n = 2}), b = t.curvature({.n = 2});
+  const Field a = s.curvature({.n = 2}), b = t.curvature({.n = 2});
   const Positions<double> in_space = a.vectors(0);
   for (Index v = 0; v < s.mesh.vertices(); ++v) {
     CHECK(std::abs(b.u[v]) == doctest::Approx(std::abs(a.u[v]) / 3).epsilon(1e-6));
@@ -90,12 +90,12 @@ TEST_CASE("the field turns with the surface, scales with curvature, and does not
 TEST_CASE("designs follow curvature the more, the smaller t is") {
   const Case s(torus(48, 24, 1, 0.4));
   for (const int n : {2, 4}) {
-    const Field<double> q = s.curvature({.n = n});
+    const Field q = s.curvature({.n = n});
     double last = -1;
     for (const double t : {0.0, -1.0, -10.0, -1000.0}) {
       Designer designer(s.mesh, s.surface.V, s.geometry, s.connection, {.n = n, .t = t});
       designer.set_guidance(q.u);
-      const Field<double> u = normalised(designer.solve().field);
+      const Field u = normalised(designer.solve().field);
       double sum = 0, weights = 0;
       for (Index v = 0; v < s.mesh.vertices(); ++v) {
         sum += (std::conj(q.u[v]) * u.u[v]).real();

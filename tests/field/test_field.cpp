@@ -3,12 +3,12 @@
 
 #include <Eigen/Geometry>
 
-#include "alcap/smoothest.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
-#include "src/base/parallel.h"
 #include "alcap/singularities.h"
+#include "alcap/smoothest.h"
+#include "src/base/parallel.h"
 #include "tests/support/mesh_case.h"
 
 using namespace alcap;
@@ -24,7 +24,7 @@ struct Case : test::FramedCase {
 };
 
 // Angle between two n-fields at a vertex, modulo the n branches, from vectors in space.
-double worst_angle(const Field<double>& a, const Field<double>& b, const Eigen::Matrix3d& rotation) {
+double worst_angle(const Field& a, const Field& b, const Eigen::Matrix3d& rotation) {
   double worst = 0;
   for (Index v = 0; v < a.u.size(); ++v) {
     const Eigen::RowVector3d x = a.frames->vector(v, a.branch(v)) * rotation.transpose();
@@ -68,7 +68,7 @@ TEST_CASE("flat torus: lambda = 0 and a parallel field") {
   const Mesh mesh(flat.F, flat.vertices);
   Eigen::VectorXd lengths(mesh.edges());
   for (Index h = 0; h < mesh.halfedges(); ++h) lengths[mesh.edge(h)] = flat.lengths(h / 3, h % 3);
-  const auto geometry = Geometry<double>::from_lengths(mesh, lengths);
+  const auto geometry = Geometry::from_lengths(mesh, lengths);
   const auto connection = globally_optimal(mesh, geometry);
   for (const int n : {1, 2, 4}) {
     const auto result = smoothest_field(mesh, geometry, connection, nullptr, {.n = n});
@@ -96,17 +96,17 @@ TEST_CASE("Poincare-Hopf: indices sum to n chi on closed surfaces and to the bou
 
 TEST_CASE("a disk's boundary count by hand: the constant field turns -n times against the tangent") {
   const Case s(disk(6));
-  Field<double> field{1, ComplexVectorX<double>(s.mesh.vertices()), s.frames};
+  Field field{1, ComplexVectorX<double>(s.mesh.vertices()), s.frames};
   const Positions<double> east =
       Positions<double>::Constant(s.mesh.vertices(), 3, 0).rowwise() + Eigen::RowVector3d(1, 0, 0);
   for (const int n : {1, 2, 4}) {
-    field = from_vectors<double>(n, east, s.frames);
+    field = from_vectors(n, east, s.frames);
     const auto sums =
         index_sums(s.mesh, s.geometry, s.connection, field, face_indices(s.mesh, s.connection, field), s.topology);
     CHECK(sums[0].sum == 0);
     CHECK(sums[0].expected == 0);
   }
-  const auto radial = from_vectors<double>(1, s.surface.V, s.frames);
+  const auto radial = from_vectors(1, s.surface.V, s.frames);
   const auto indices = face_indices(s.mesh, s.connection, radial);
   const auto sums = index_sums(s.mesh, s.geometry, s.connection, radial, indices, s.topology);
   CHECK(sums[0].sum == 1);
@@ -131,7 +131,7 @@ TEST_CASE("zeros and orientations of known fields in the plane") {
           const double r = std::pow(std::abs(u), 1.0 / n), angle = std::arg(u) / n;
           d.row(v) << r * std::cos(angle), r * std::sin(angle), 0;
         }
-        const auto field = from_vectors<double>(n, d, s.frames);
+        const auto field = from_vectors(n, d, s.frames);
         const auto found = find_singularities(s.mesh, s.geometry, s.connection, field);
         REQUIRE(found.size() == 1);
         CHECK(found[0].index == sign);
@@ -186,7 +186,7 @@ TEST_CASE("the energy family: E_s of its own smoothest field is least for its ow
 TEST_CASE("a bumpy sphere has fewer singularities at detail 0.1 than at 10") {
   const Surface surface = bumpy_sphere(5, 0.15, 14);
   const Mesh mesh(surface.F, surface.V.rows());
-  const Geometry<double> geometry(mesh, surface.V);
+  const Geometry geometry(mesh, surface.V);
   std::size_t count[2];
   for (int k = 0; k < 2; ++k) {
     const auto connection = globally_optimal(mesh, geometry, {.detail = k == 0 ? 0.1 : 10.0});
@@ -216,7 +216,7 @@ TEST_CASE("vectors and components undo each other; branches are n-fold") {
   for (const int n : {1, 2, 5}) {
     const auto field = s.smoothest(n).field;
     for (int k = 0; k < n; ++k)
-      CHECK((from_vectors<double>(n, field.vectors(k), s.frames).u - field.u).cwiseAbs().maxCoeff() < 1e-13);
+      CHECK((from_vectors(n, field.vectors(k), s.frames).u - field.u).cwiseAbs().maxCoeff() < 1e-13);
     CHECK(field.raw().cols() == 3 * n);
     CHECK_THROWS_AS((void)field.vectors(n), OptionError);
     CHECK(normalised(field).u.cwiseAbs().minCoeff() == doctest::Approx(1));

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "src/base/random.h"
 #include "alcap/generators.h"
 #include "alcap/output.h"
+#include "src/base/random.h"
 
 namespace alcap::test {
 
@@ -50,20 +50,20 @@ inline std::string contents(const fs::path& path) {
 struct Case {
   Surface surface;
   Mesh mesh;
-  Geometry<double> geometry;
-  Connection<double> connection;
-  Field<double> field;
+  Geometry geometry;
+  Connection connection;
+  Field field;
   std::vector<Singularity> singularities;
   std::vector<double> extra;
   std::vector<FaceScalars> scalars;
 
   Case(Surface s, int n) : surface(std::move(s)) {
     mesh = Mesh(surface.F, surface.V.rows());
-    geometry = Geometry<double>(mesh, surface.V);
+    geometry = Geometry(mesh, surface.V);
     connection = locally_optimal(mesh, geometry);
     field.n = n;
     field.u = ComplexVectorX<double>::Zero(mesh.vertices());
-    field.frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, surface.V, connection));
+    field.frames = std::make_shared<const Frames>(vertex_frames(mesh, surface.V, connection));
   }
   void randomise(std::uint64_t seed) {
     detail::Random random(seed);

@@ -135,8 +135,8 @@ TEST_CASE("rawfield: n tangent vectors per face, counter-clockwise, whose n-th p
     const Raw raw = read_raw(folder.path / "f.rawfield");
     REQUIRE(raw.n == n);
     REQUIRE(raw.rows.rows() == c.mesh.faces());
-    const auto frames = std::make_shared<const Frames<double>>(face_frames(c.mesh, c.surface.V));
-    const Field<double> faces = at_faces(c.mesh, c.geometry, c.connection, c.field, frames);
+    const auto frames = std::make_shared<const Frames>(face_frames(c.mesh, c.surface.V));
+    const Field faces = at_faces(c.mesh, c.geometry, c.connection, c.field, frames);
     for (Index t = 0; t < c.mesh.faces(); ++t) {
       const Row normal = face_normal(c, t);
       const Row x = (c.surface.V.row(c.mesh.F()(t, 1)) - c.surface.V.row(c.mesh.F()(t, 0))).normalized();
@@ -246,7 +246,7 @@ TEST_CASE("numbers in text are those of std::to_chars, whatever their size") {
   for (const int n : {1, 2}) {
     Case c(icosphere(5), n);
     detail::Random random(17);
-    auto frames = std::make_shared<Frames<double>>(*c.field.frames);
+    auto frames = std::make_shared<Frames>(*c.field.frames);
     for (Index v = 0; v < c.mesh.vertices(); ++v) {
       // Random digits of everyday size, of any size, and numbers of few digits, powers of two and their neighbours.
       const double size = v % 2 == 0 ? random.uniform(-6, 8) : random.uniform(-150, 150);

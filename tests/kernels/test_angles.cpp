@@ -10,9 +10,9 @@
 #include <limits>
 #include <vector>
 
-#include "src/simd/angles.h"
-#include "src/base/random.h"
 #include "alcap/errors.h"
+#include "src/base/random.h"
+#include "src/simd/angles.h"
 
 namespace {
 

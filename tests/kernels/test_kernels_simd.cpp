@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "src/simd/triangle_entries.h"
 #include "alcap/errors.h"
 #include "kernels/stiffness_mass.h"
+#include "src/simd/triangle_entries.h"
 
 using namespace alcap::detail;
 

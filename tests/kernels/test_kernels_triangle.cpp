@@ -51,7 +51,7 @@ struct Matrices {
   Eigen::Matrix3cd S, M;
 };
 Matrices matrices(const Triangle& t) {
-  const TriangleEntries<double> e = entries<double>(t);
+  const TriangleEntries e = entries<double>(t);
   Matrices m;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = reference::next(i);
@@ -110,7 +110,7 @@ Real stiffness_scale(const Exact& e) { return *std::max_element(e.S_diagonal.beg
 TEST_CASE("S, M, P, Q of a triangle equal quadrature of the basis") {
   for (const Triangle& t : triangles()) {
     const Exact exact = integrate(t);
-    const TriangleEntries<double> e = entries<double>(t);
+    const TriangleEntries e = entries<double>(t);
     const TriangleOperator<double> op =
         triangle_operator(t.frame<double>(), static_cast<double>(t.area()), static_cast<double>(t.n));
     const Real K = t.K(), n = t.n, area = t.area(), S_scale = stiffness_scale(exact);
@@ -137,7 +137,7 @@ TEST_CASE("S, M, P, Q of a triangle equal quadrature of the basis") {
 
 TEST_CASE("float kernels follow the double ones") {
   for (const Triangle& t : triangles()) {
-    const TriangleEntries<double> d = entries<double>(t);
+    const TriangleEntries d = entries<double>(t);
     const TriangleEntries<float> f = entries<float>(t);
     const double scale = std::max({d.stiffness_diagonal[0], d.stiffness_diagonal[1], d.stiffness_diagonal[2]});
     // cot and K are rounded to float: K (1 + 6e-8) turns e^{iK} by up to 6e-8 K.

@@ -48,7 +48,7 @@ Eigen::RowVector3d origin(const Eigen::RowVector3d&) { return Eigen::RowVector3d
 /// One component of the given genus and number of loops, no defects, every vertex used.
 void check_shape(const Surface& s, Index genus, Index loops) {
   REQUIRE(find_defects(s.F, s.V.rows()).empty());
-  CHECK(find_defects<double>(s.V, s.F).empty());
+  CHECK(find_defects(s.V, s.F).empty());
   const Mesh mesh(s.F, s.V.rows());
   CHECK(mesh.referenced_vertices() == mesh.vertices());
   const Topology topology = find_topology(mesh);

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "alcap/mesh_check.h"
-#include "src/base/parallel.h"
 #include "alcap/topology.h"
+#include "src/base/parallel.h"
 #include "tests/support/mesh_helpers.h"
 
 using namespace alcap;
@@ -294,12 +294,12 @@ TEST_CASE("components become meshes of their own, with maps back") {
   s.V.bottomRows(3).setConstant(9);
   const Mesh mesh(s.F, s.V.rows());
   const Topology topology = find_topology(mesh);
-  const std::vector<Piece<double>> pieces = split_components(mesh, s.V, topology);
+  const std::vector<Piece> pieces = split_components(mesh, s.V, topology);
   REQUIRE(pieces.size() == 3);
   std::set<Index> vertices, triangles;
   for (Index c = 0; c < 3; ++c) {
-    const Piece<double>& p = pieces[static_cast<std::size_t>(c)];
-    const Piece<double> alone = extract_component(mesh, s.V, topology, c);
+    const Piece& p = pieces[static_cast<std::size_t>(c)];
+    const Piece alone = extract_component(mesh, s.V, topology, c);
     CHECK(alone.V == p.V);
     CHECK(alone.F == p.F);
     CHECK(alone.vertices == p.vertices);

@@ -5,8 +5,8 @@
 
 #include <map>
 
-#include "src/base/parallel.h"
 #include "alcap/field_run.h"
+#include "src/base/parallel.h"
 #include "tests/io/output_fixture.h"
 
 using namespace alcap;

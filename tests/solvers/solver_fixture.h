@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "alcap/connection.h"
-#include "src/base/random.h"
 #include "alcap/energies.h"
 #include "alcap/solve.h"
+#include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 
 namespace alcap::test {
@@ -26,13 +26,12 @@ struct Problem {
   [[nodiscard]] Hermitian shifted(double weight = 1) const { return 2.0 * S + weight / area * M; }
 };
 
-inline Problem problem_of(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
-                          int n) {
+inline Problem problem_of(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n) {
   auto matrices = stiffness_and_mass(mesh, HermitianPattern(mesh), geometry, connection, n);
   return {.S = std::move(matrices.S), .M = std::move(matrices.M), .area = geometry.total_area()};
 }
 
-inline Problem problem_of(const MeshCase& s, const Connection<double>& connection, int n) {
+inline Problem problem_of(const MeshCase& s, const Connection& connection, int n) {
   return problem_of(s.mesh, s.geometry, connection, n);
 }
 

@@ -11,8 +11,8 @@
 
 #include "alcap/connection.h"
 #include "alcap/solve.h"
-#include "tests/support/mesh_families.h"
 #include "tests/solvers/solver_fixture.h"
+#include "tests/support/mesh_families.h"
 
 using namespace alcap;
 using namespace alcap::test;

@@ -12,10 +12,10 @@
 
 #include "alcap/connection.h"
 #include "alcap/generators.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
-#include "tests/support/mesh_helpers.h"
+#include "src/base/parallel.h"
 #include "tests/solvers/solver_fixture.h"
+#include "tests/support/mesh_helpers.h"
 
 using namespace alcap;
 using namespace alcap::test;
@@ -115,7 +115,7 @@ TEST_CASE("a flat torus has the eigenvalue 0: recognised, with the covariantly c
   const Mesh mesh(flat.F, flat.vertices);
   VectorX<double> lengths(mesh.edges());
   for (Index h = 0; h < mesh.halfedges(); ++h) lengths[mesh.edge(h)] = flat.lengths(h / 3, h % 3);
-  const auto geometry = Geometry<double>::from_lengths(mesh, lengths);
+  const auto geometry = Geometry::from_lengths(mesh, lengths);
   for (const int n : {1, 4}) {
     CAPTURE(n);
     const Problem p = problem_of(mesh, geometry, polar(mesh, geometry), n);

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "alcap/generators.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
+#include "src/base/parallel.h"
 #include "tests/solvers/solver_fixture.h"
 
 using namespace alcap;

@@ -13,10 +13,10 @@
 
 #include "alcap/connection.h"
 #include "alcap/generators.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
-#include "tests/support/mesh_helpers.h"
+#include "src/base/parallel.h"
 #include "tests/solvers/solver_fixture.h"
+#include "tests/support/mesh_helpers.h"
 
 using namespace alcap;
 using namespace alcap::test;
@@ -50,7 +50,7 @@ void refine(const std::function<Surface(int)>& family) {
   std::vector<int> first(7);
   for (const int level : {3, 4, 5, 6, 7}) {
     const MeshCase shape(family(level));
-    const Connection<double> connection = polar(shape.mesh, shape.geometry);
+    const Connection connection = polar(shape.mesh, shape.geometry);
     for (const int n : {1, 2, 3, 4, 5, 6}) {
       CAPTURE(level);
       CAPTURE(n);
@@ -122,7 +122,7 @@ TEST_CASE("a fifth of the triangles obtuse") {
     if (std::min({cot(0), cot(1), cot(2)}) < 0) ++obtuse;
   }
   REQUIRE(obtuse >= 0.2 * shape.mesh.faces());
-  const Connection<double> connection = polar(shape.mesh, shape.geometry);
+  const Connection connection = polar(shape.mesh, shape.geometry);
   for (const int n : {1, 4}) {
     CAPTURE(n);
     CHECK(solve(problem_of(shape, connection, n)).factor <= 0.25);
@@ -151,7 +151,7 @@ TEST_CASE("a thousand pieces, and one vertex of valence 2,000") {
 TEST_CASE("all but singular: a parallel field exists, and the shift is tiny") {
   // No cone on a torus: its trivial connection has a parallel field of every degree.
   const MeshCase shape(torus_random_diagonals(96, 40, 1, 0.4, 5));
-  const Connection<double> connection = trivial(shape.mesh, shape.geometry, {}, {.n = 4});
+  const Connection connection = trivial(shape.mesh, shape.geometry, {}, {.n = 4});
   const Problem p = problem_of(shape, connection, 4);
   for (const double weight : {1e-2, 1e-4, 1e-5}) {
     CAPTURE(weight);

@@ -11,10 +11,10 @@
 #include <thread>
 #include <vector>
 
-#include "src/base/random.h"
 #include "alcap/memory.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
+#include "src/base/parallel.h"
+#include "src/base/random.h"
 #include "tests/solvers/solver_fixture.h"
 
 using namespace alcap;

@@ -17,8 +17,8 @@
 #include <thread>
 #include <vector>
 
-#include "alcap/generators.h"
 #include "alcap/field_run.h"
+#include "alcap/generators.h"
 #include "alcap/solve.h"
 #include "tests/solvers/solver_fixture.h"
 

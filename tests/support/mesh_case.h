@@ -18,20 +18,19 @@ namespace alcap::test {
 struct MeshCase {
   Surface surface;
   Mesh mesh;
-  Geometry<double> geometry;
+  Geometry geometry;
   explicit MeshCase(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
 };
 
 /// With the globally optimal connection.
 struct ConnectedCase : MeshCase {
   using MeshCase::MeshCase;
-  Connection<double> connection = globally_optimal(mesh, geometry);
+  Connection connection = globally_optimal(mesh, geometry);
 };
 
 struct FramedCase : ConnectedCase {
   using ConnectedCase::ConnectedCase;
-  std::shared_ptr<const Frames<double>> frames =
-      std::make_shared<const Frames<double>>(vertex_frames(mesh, surface.V, connection));
+  std::shared_ptr<const Frames> frames = std::make_shared<const Frames>(vertex_frames(mesh, surface.V, connection));
 };
 
 }  // namespace alcap::test

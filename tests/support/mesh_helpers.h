@@ -9,8 +9,8 @@
 #include <numeric>
 #include <vector>
 
-#include "src/base/random.h"
 #include "alcap/generators.h"
+#include "src/base/random.h"
 
 namespace alcap::test {
 

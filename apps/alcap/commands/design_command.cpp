@@ -11,12 +11,12 @@
 
 #include "alcap/memory.h"
 #include "apps/alcap/commands/commands.h"
-#include "apps/alcap/options/design_options.h"
-#include "apps/alcap/report/design_report.h"
 #include "apps/alcap/commands/design_solve.h"
+#include "apps/alcap/options/design_options.h"
+#include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/report/design_report.h"
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/report.h"
-#include "apps/alcap/options/shared_options.h"
 
 namespace alcap::app {
 namespace {
@@ -75,7 +75,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   auto lap = Clock::now();
   run.mesh = Mesh(apply_repairs(file.V, file.F, options.mesh.repairs, run.remarks), file.V.rows());
   run.topology = find_topology(run.mesh);
-  run.geometry = Geometry<double>(run.mesh, file.V);
+  run.geometry = Geometry(run.mesh, file.V);
   for (Remark& r : mesh_remarks(file.V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(r));
   DesignFile placed = place_design(design, run.mesh, file.V);
   placed.connection.cones = make_cones(run.mesh, run.geometry, run_options(placed));
@@ -88,8 +88,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const FieldRunOptions how = run_options(placed);
   run.cones = placed.connection.cones;
   run.connection = make_connection(run.mesh, run.geometry, how, run.cones);
-  const auto frames =
-      std::make_shared<const Frames<double>>(vertex_frames(run.mesh, file.V, run.geometry, run.connection));
+  const auto frames = std::make_shared<const Frames>(vertex_frames(run.mesh, file.V, run.geometry, run.connection));
   const std::vector<DesignControl> controls = design_controls(placed, run.mesh, file.V, run.geometry, *frames);
   run.times.connection = seconds(lap);
 

@@ -33,7 +33,7 @@ ComplexVectorX<double> read_guidance(const DesignProblem& p) {
     refuse("holds a field on another mesh; give one that was computed on this mesh");
   // Same frames: the numbers as they are. Otherwise the vectors in space are what counts, with their lengths.
   if (field.field.frames->X == p.frames->X && field.field.frames->N == p.frames->N) return field.field.u;
-  Field<double> moved = from_vectors(p.design.n, field.field.vectors(0), p.frames);
+  Field moved = from_vectors(p.design.n, field.field.vectors(0), p.frames);
   for (Eigen::Index v = 0; v < moved.u.size(); ++v)
     moved.u[v] = std::polar(std::abs(field.field.u[v]), std::arg(moved.u[v]));
   return moved.u;

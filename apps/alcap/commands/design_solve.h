@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "alcap/design_file.h"
-#include "alcap/mesh_io.h"
 #include "alcap/field_run.h"
+#include "alcap/mesh_io.h"
 #include "apps/alcap/commands/command.h"
 #include "apps/alcap/report/progress.h"
 
@@ -21,7 +21,7 @@ struct DesignProblem {
   const std::vector<DesignControl>& controls;
   const MeshFile& file;
   const FieldRun& run;
-  std::shared_ptr<const Frames<double>> frames;
+  std::shared_ptr<const Frames> frames;
   std::string solver;
 };
 

@@ -12,12 +12,12 @@
 #include "alcap/memory.h"
 #include "apps/alcap/commands/batch_field.h"
 #include "apps/alcap/commands/commands.h"
-#include "apps/alcap/report/field_files.h"
-#include "apps/alcap/page/html_page.h"
-#include "apps/alcap/picture/png_picture.h"
-#include "apps/alcap/report/report.h"
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/page/html_page.h"
 #include "apps/alcap/page/view_scene.h"
+#include "apps/alcap/picture/png_picture.h"
+#include "apps/alcap/report/field_files.h"
+#include "apps/alcap/report/report.h"
 
 namespace alcap::app {
 namespace {

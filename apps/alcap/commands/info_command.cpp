@@ -10,8 +10,8 @@
 
 #include "alcap/mesh_check.h"
 #include "apps/alcap/commands/commands.h"
-#include "apps/alcap/report/report.h"
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/report/report.h"
 #include "apps/alcap/report/statistics.h"
 
 namespace alcap::app {
@@ -146,7 +146,7 @@ Outcome run(const MeshChoice& choice, Progress& progress) {
     mesh.emplace(F, file.V.rows());
     topology.emplace(find_topology(*mesh));
     if (geometric.empty()) {
-      const Geometry<double> geometry(*mesh, file.V);
+      const Geometry geometry(*mesh, file.V);
       for (Remark& r : mesh_remarks(file.V, *mesh, *topology, geometry)) remarks.push_back(std::move(r));
     }
   }

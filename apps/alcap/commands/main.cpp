@@ -18,13 +18,13 @@
 #endif
 
 #include "alcap/conventions.h"
-#include "src/simd/isa.h"
-#include "src/base/parallel.h"
 #include "alcap/solve.h"
 #include "alcap/version.h"
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/parallel.h"
+#include "src/simd/isa.h"
 
 namespace alcap::app {
 namespace {

@@ -8,15 +8,15 @@
 #include <memory>
 #include <string_view>
 
-#include "src/base/atomic_file.h"
 #include "alcap/energies.h"
 #include "alcap/memory.h"
 #include "alcap/operators.h"
 #include "alcap/output.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
-#include "apps/alcap/options/shared_options.h"
+#include "src/base/atomic_file.h"
 
 namespace alcap::app {
 namespace {
@@ -60,7 +60,7 @@ void check_same_mesh(const OpsOptions& options, const MeshFile& file, const Fiel
       {{"path", options.field.string()}});
 }
 
-void write_csv(const std::filesystem::path& path, const Geometry<double>& geometry, const FaceValues& values) {
+void write_csv(const std::filesystem::path& path, const Geometry& geometry, const FaceValues& values) {
   alcap::detail::AtomicFile out(path);
   out.write("face,area,div,curl,reflected_div,reflected_curl\n");
   for (Eigen::Index t = 0; t < values.div.size(); ++t) {
@@ -125,15 +125,14 @@ Outcome run(OpsOptions options, Progress& progress) {
   }
   std::vector<Remark> remarks;
   const Mesh mesh(apply_repairs(file.V, file.F, options.mesh.repairs, remarks), file.V.rows());
-  const Geometry<double> geometry(mesh, file.V);
+  const Geometry geometry(mesh, file.V);
 
   progress.phase("finding the connection");
-  const Connection<double> connection =
-      make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
-  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, file.V, geometry, connection));
+  const Connection connection = make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
+  const auto frames = std::make_shared<const Frames>(vertex_frames(mesh, file.V, geometry, connection));
   // Same connection, same frames: the numbers are taken as they are. Otherwise the vectors in space are what counts.
   const int n = field_file.field.n;
-  Field<double> field = field_file.field;
+  Field field = field_file.field;
   if (field.frames->X != frames->X || field.frames->N != frames->N) {
     field = from_vectors(n, field.vectors(0), frames);
     remarks.push_back(

@@ -8,12 +8,12 @@
 #include <cstdlib>
 #include <memory>
 
-#include "src/base/atomic_file.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/report/outputs.h"
-#include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/studio/studio_server.h"
+#include "src/base/atomic_file.h"
 
 namespace alcap::app {
 namespace {

@@ -12,12 +12,12 @@
 #include "alcap/memory.h"
 #include "alcap/output.h"
 #include "apps/alcap/commands/commands.h"
-#include "apps/alcap/page/html_page.h"
-#include "apps/alcap/report/outputs.h"
-#include "apps/alcap/picture/png_picture.h"
-#include "apps/alcap/report/report.h"
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/page/html_page.h"
 #include "apps/alcap/page/view_scene.h"
+#include "apps/alcap/picture/png_picture.h"
+#include "apps/alcap/report/outputs.h"
+#include "apps/alcap/report/report.h"
 
 namespace alcap::app {
 namespace {
@@ -86,11 +86,10 @@ Outcome run(ViewOptions options, Progress& progress) {
                                   "shown with the global connection instead (repeat its --cone options here)"});
   }
   const Mesh mesh(data.F, data.V.rows());
-  const Geometry<double> geometry(mesh, data.V);
+  const Geometry geometry(mesh, data.V);
   progress.phase("finding the connection");
-  const Connection<double> connection =
-      make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
-  const auto frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, data.V, geometry, connection));
+  const Connection connection = make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
+  const auto frames = std::make_shared<const Frames>(vertex_frames(mesh, data.V, geometry, connection));
   if (data.field.frames->X != frames->X || data.field.frames->N != frames->N)
     data.field = from_vectors(data.field.n, data.field.vectors(0), frames);
   const std::vector<Singularity> singularities = find_singularities(mesh, geometry, connection, data.field);

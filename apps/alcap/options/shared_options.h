@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "alcap/mesh_io.h"
 #include "alcap/field_run.h"
+#include "alcap/mesh_io.h"
 #include "apps/alcap/commands/command.h"
 
 namespace alcap::app {

@@ -92,7 +92,7 @@ void add_field(ViewPack& pack, const ViewSource& source) {
 }
 
 void add_singularities(ViewPack& pack, const ViewSource& source) {
-  const Frames<double> frames = face_frames(source.mesh, source.V);
+  const Frames frames = face_frames(source.mesh, source.V);
   const Eigen::RowVector3d center = center_of(source.V);
   std::vector<float> singular, arms;
   std::vector<std::uint32_t> faces;

@@ -24,9 +24,9 @@ namespace alcap::app {
 struct ViewSource {
   const Mesh& mesh;
   const Positions<double>& V;
-  const Geometry<double>& geometry;
-  const Connection<double>& connection;
-  const Field<double>& field;
+  const Geometry& geometry;
+  const Connection& connection;
+  const Field& field;
   const std::vector<Singularity>& singularities;
 };
 

@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 
-#include "apps/alcap/report/outputs.h"
 #include "apps/alcap/picture/png_picture.h"
+#include "apps/alcap/report/outputs.h"
 
 namespace alcap::app {
 namespace {

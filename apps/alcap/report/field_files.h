@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "alcap/output.h"
 #include "alcap/field_run.h"
+#include "alcap/output.h"
 #include "apps/alcap/report/outputs.h"
 
 namespace alcap::app {

@@ -11,9 +11,9 @@
 #include <csignal>
 #include <system_error>
 
-#include "src/base/atomic_file.h"
 #include "alcap/errors.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/atomic_file.h"
 
 namespace alcap::app {
 namespace {

@@ -10,8 +10,8 @@
 #include <limits>
 
 #include "alcap/memory.h"
-#include "src/base/parallel.h"
 #include "alcap/version.h"
+#include "src/base/parallel.h"
 
 namespace alcap::app {
 namespace {
@@ -274,7 +274,7 @@ Json singularities_json(const FieldRun& run) {
           {"list", std::move(list)}};
 }
 
-Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double>& geometry) {
+Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry& geometry) {
   std::int64_t genus = 0;
   for (const ComponentInfo& part : topology.components) genus += part.genus;
   const Spread length = spread(mesh.edges(), [&](std::int64_t e) { return geometry.lengths()[e]; });
@@ -296,7 +296,7 @@ Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry<double
           {"angle_max_degrees", number(angle.most * 180 / pi<double>)}};
 }
 
-Json connection_json(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
+Json connection_json(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
                      const FieldRunOptions& options) {
   const Spread density = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t] / geometry.areas()[t]; });
   const Spread curvature = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t]; });

@@ -10,9 +10,9 @@
 #include <variant>
 
 #include "alcap/alignment.h"
-#include "alcap/smoothest.h"
 #include "alcap/designer.h"
 #include "alcap/field_run.h"
+#include "alcap/smoothest.h"
 #include "apps/alcap/options/design_options.h"
 
 namespace alcap::app {
@@ -93,8 +93,8 @@ struct StudioSolver::State {
   std::uint64_t results = 0;
 
   std::string connection_text;
-  std::shared_ptr<const Connection<double>> connection;
-  std::shared_ptr<const Frames<double>> frames;
+  std::shared_ptr<const Connection> connection;
+  std::shared_ptr<const Frames> frames;
   std::string guidance_text;
   ComplexVectorX<double> guidance;  // empty: none, or zero
   std::string designer_text;
@@ -107,10 +107,9 @@ struct StudioSolver::State {
     forget();
     connection_text.clear();
     const FieldRunOptions how = run_options(design);
-    connection = std::make_shared<const Connection<double>>(
+    connection = std::make_shared<const Connection>(
         make_connection(surface.mesh, surface.geometry, how, make_cones(surface.mesh, surface.geometry, how)));
-    frames =
-        std::make_shared<const Frames<double>>(vertex_frames(surface.mesh, surface.V, surface.geometry, *connection));
+    frames = std::make_shared<const Frames>(vertex_frames(surface.mesh, surface.V, surface.geometry, *connection));
     connection_text = text;
   }
 

@@ -24,15 +24,15 @@ struct StudioSurface {
   Positions<double> V;
   Mesh mesh;
   Topology topology;
-  Geometry<double> geometry;
+  Geometry geometry;
 };
 
 /// A solved design. Immutable, but for what is computed when first asked for.
 class StudioResult {
  public:
   std::uint64_t id = 0;  ///< of this run
-  std::shared_ptr<const Connection<double>> connection;
-  Field<double> field;
+  std::shared_ptr<const Connection> connection;
+  Field field;
   std::vector<Singularity> singularities;
   Json controls = Json::array();  ///< path, met, error_degrees
   double seconds = 0;

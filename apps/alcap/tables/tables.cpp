@@ -15,9 +15,9 @@
 #include "alcap/frames.h"
 #include "alcap/generators.h"
 #include "alcap/operators.h"
-#include "src/base/parallel.h"
 #include "apps/alcap/tables/tables_harmonics.h"
 #include "apps/alcap/tables/tables_published.h"
+#include "src/base/parallel.h"
 
 namespace alcap::app {
 namespace {
@@ -46,7 +46,7 @@ void validate(const TablesOptions& o) {
           "must lie in [0, 0.25], beyond that faces fold");
 }
 
-Connection<double> make_connection(const Mesh& mesh, const Geometry<double>& geometry, std::size_t which) {
+Connection make_connection(const Mesh& mesh, const Geometry& geometry, std::size_t which) {
   switch (which) {
     case 0:
       return polar(mesh, geometry, {PolarCenter::incenter});
@@ -112,7 +112,7 @@ struct Sphere {
   int level;
   Surface surface;
   Mesh mesh;
-  Geometry<double> geometry;
+  Geometry geometry;
   double mean_edge;
   Fields exact;
 
@@ -150,8 +150,8 @@ struct Sphere {
 
   /// The fields in the vertex frames of a connection, #V x fields. The frames of frames.h, tilted to the tangent planes
   /// of the sphere itself, whose normals are known.
-  [[nodiscard]] Fields sample(const Connection<double>& connection, const Eigen::MatrixXcd& coefficients) const {
-    const Frames<double> frames = vertex_frames(mesh, surface.V, connection);
+  [[nodiscard]] Fields sample(const Connection& connection, const Eigen::MatrixXcd& coefficients) const {
+    const Frames frames = vertex_frames(mesh, surface.V, connection);
     Eigen::MatrixXcd basis(mesh.vertices(), coefficients.rows());
     for_row_blocks(mesh.vertices(), [&](Eigen::Index begin, Eigen::Index end) {
       Eigen::Matrix<double, Eigen::Dynamic, 3> gradients(coefficients.rows(), 3);
@@ -189,8 +189,8 @@ struct Sums {
 };
 
 /// P u and Q u of all fields at once; against `exact` where it is given (P only).
-Sums measure(const Mesh& mesh, const Geometry<double>& geometry, const FirstOrderOperators<double>& ops,
-             const Fields& u, const Fields* exact) {
+Sums measure(const Mesh& mesh, const Geometry& geometry, const FirstOrderOperators& ops, const Fields& u,
+             const Fields* exact) {
   return parallel_reduce(
       mesh.faces(), Sums(u.cols()),
       [&](std::int64_t begin, std::int64_t end) {
@@ -301,8 +301,8 @@ void add_euler_row(const std::string& surface, int level, std::int64_t vertices,
 }
 
 /// All kinds of E_A - E_H of the fields, scaled to unit length at every vertex.
-void measure_euler(const std::string& surface, int level, const Mesh& mesh, const Geometry<double>& geometry,
-                   const Connection<double>& connection, const char* name, Fields u, double expected,
+void measure_euler(const std::string& surface, int level, const Mesh& mesh, const Geometry& geometry,
+                   const Connection& connection, const char* name, Fields u, double expected,
                    std::vector<EulerRow>& rows) {
   for_row_blocks(u.rows(), [&](Eigen::Index begin, Eigen::Index end) {
     auto block = u.middleRows(begin, end - begin).array();
@@ -322,7 +322,7 @@ void measure_euler(const std::string& surface, int level, const Mesh& mesh, cons
 void measure_sphere(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, const Eigen::MatrixXcd& unit,
                     TablesResult& result) {
   const Mesh& mesh = sphere.mesh;
-  const Geometry<double>& geometry = sphere.geometry;
+  const Geometry& geometry = sphere.geometry;
   // 1/2 integral |grad u|^2 of a vector harmonic of unit norm is (l(l+1) - 1)/2.
   Eigen::ArrayXd energy = Eigen::ArrayXd::Zero(coefficients.cols());
   for (int k = 0; k < coefficients.rows(); ++k) {
@@ -332,7 +332,7 @@ void measure_sphere(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, 
   const HermitianPattern pattern(mesh);
   for (std::size_t i = 0; i < connection_names.size(); ++i) {
     const char* name = connection_names[i];
-    const Connection<double> connection = make_connection(mesh, geometry, i);
+    const Connection connection = make_connection(mesh, geometry, i);
     const Fields u = sphere.sample(connection, coefficients);
     for (std::size_t k = 0; k < kind_names.size(); ++k) {
       const auto kind = k == 0 ? OperatorKind::edge : OperatorKind::triangle;
@@ -352,10 +352,10 @@ void measure_torus(int level, const Eigen::MatrixXcd& unit, TablesResult& result
   const int nv = 5 << (level - 1);
   const Surface surface = torus(2 * nv, nv, 1, 0.4);
   const Mesh mesh(surface.F, surface.V.rows());
-  const Geometry<double> geometry(mesh, surface.V);
+  const Geometry geometry(mesh, surface.V);
   for (std::size_t i = 0; i < connection_names.size(); ++i) {
-    const Connection<double> connection = make_connection(mesh, geometry, i);
-    const Frames<double> frames = vertex_frames(mesh, surface.V, connection);
+    const Connection connection = make_connection(mesh, geometry, i);
+    const Frames frames = vertex_frames(mesh, surface.V, connection);
     Eigen::MatrixXcd basis(mesh.vertices(), unit.rows());
     Eigen::Matrix<double, Eigen::Dynamic, 3> gradients(unit.rows(), 3);
     for (Index v = 0; v < mesh.vertices(); ++v) {

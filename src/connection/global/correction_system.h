@@ -10,11 +10,11 @@
 //
 //   tau' W tau + sum over its halfedges of p (mean^2 + difference^2 / 12),
 //
-// from D_T and Q(r, s) = (r^2 + r s + s^2)/3. Most faces are joined to pairs (src/connection/global/face_pairs.h), and the edge between
-// the two is eliminated as well; the iteration sees outer edges only. kernels/face_relaxation.h has the closed forms.
-// What remains is symmetric positive semidefinite (kernel: one gauge angle per vertex) and local: its condition does
-// not grow with the mesh. Right-hand sides and search directions are orthogonal to the kernel, so conjugate gradients
-// need no care for it.
+// from D_T and Q(r, s) = (r^2 + r s + s^2)/3. Most faces are joined to pairs (src/connection/global/face_pairs.h), and
+// the edge between the two is eliminated as well; the iteration sees outer edges only. kernels/face_relaxation.h has
+// the closed forms. What remains is symmetric positive semidefinite (kernel: one gauge angle per vertex) and local: its
+// condition does not grow with the mesh. Right-hand sides and search directions are orthogonal to the kernel, so
+// conjugate gradients need no care for it.
 //
 // The first face of an edge sees the edge's unknowns as (-m, -d, R), which is what they are in here, the second one as
 // (-m, d, -R). Conjugate gradients work in variables in which the 3 x 3 block of every single edge is the identity, so
@@ -31,9 +31,9 @@
 #include <vector>
 
 #include "alcap/mesh.h"
+#include "src/base/large_array.h"
 #include "src/base/parallel.h"
 #include "src/connection/global/face_pairs.h"
-#include "src/base/large_array.h"
 #include "src/simd/correction_loops.h"
 
 namespace alcap::detail {

@@ -66,8 +66,7 @@ LargeArray<Index> select(Index n, const Chosen& chosen, Index& count, Index* num
 
 }  // namespace
 
-template <class T>
-FacePairs pair_faces(const Mesh& mesh, const Geometry<T>& geometry) {
+FacePairs pair_faces(const Mesh& mesh, const Geometry& geometry) {
   // A sliver is so stiff in its curvature that what it passes on is the small difference of large forces; on its own it
   // does no harm, because its edges are as stiff.
   constexpr double most_cotangents = 1000;
@@ -123,8 +122,5 @@ FacePairs single_faces(const Mesh& mesh) {
   parallel_for(mesh.edges(), [&](std::int64_t e) { p.edge[at(e)] = p.number[at(e)] = static_cast<Index>(e); });
   return p;
 }
-
-template FacePairs pair_faces(const Mesh&, const Geometry<float>&);
-template FacePairs pair_faces(const Mesh&, const Geometry<double>&);
 
 }  // namespace alcap::detail

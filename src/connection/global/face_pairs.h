@@ -21,8 +21,7 @@ struct FacePairs {
 };
 
 /// Independent of threads. Some nine tenths of all faces are paired.
-template <class T>
-[[nodiscard]] FacePairs pair_faces(const Mesh& mesh, const Geometry<T>& geometry);
+[[nodiscard]] FacePairs pair_faces(const Mesh& mesh, const Geometry& geometry);
 
 /// The same without pairs.
 [[nodiscard]] FacePairs single_faces(const Mesh& mesh);

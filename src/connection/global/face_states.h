@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// face_states.h: the faces' side of the globally optimal connection (src/connection/global/optimise.cpp), in double: what each
-// face sees of the turned edges, how its corners relax, and what it then pulls its outer edges with. Pairs of faces
-// turn the edge between them as well (src/connection/global/face_pairs.h).
+// face_states.h: the faces' side of the globally optimal connection (src/connection/global/optimise.cpp), in double:
+// what each face sees of the turned edges, how its corners relax, and what it then pulls its outer edges with. Pairs of
+// faces turn the edge between them as well (src/connection/global/face_pairs.h).
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "alcap/connection.h"
-#include "src/base/parallel.h"
 #include "kernels/connection_energy.h"
+#include "src/base/parallel.h"
 #include "src/connection/global/correction_system.h"
 #include "src/connection/global/face_pairs.h"
 
@@ -19,17 +19,16 @@ namespace alcap::detail {
 
 // tan of the angle opposite a halfedge, capped, times the length factor: the weights of D_E. Computed where they are
 // needed, which costs less than to store and read them.
-template <class T>
 class HalfedgeWeights {
  public:
-  HalfedgeWeights(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options)
-      : mesh_(mesh), geometry_(geometry), cap_(static_cast<T>(options.tan_cap)), factor_(options.length_factor) {
+  HalfedgeWeights(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options)
+      : mesh_(mesh), geometry_(geometry), cap_(static_cast<double>(options.tan_cap)), factor_(options.length_factor) {
     if (factor_ != LengthFactor::mean_edge) return;
     Topology topology = find_topology(mesh);
     if (topology.components.size() == 1) {
       const double sum = parallel_sum<double>(
           mesh.edges(), [&](std::int64_t e) { return double(geometry.length(static_cast<Index>(e))); });
-      per_length_ = {static_cast<T>(mesh.edges() / sum)};
+      per_length_ = {static_cast<double>(mesh.edges() / sum)};
       return;
     }
     std::vector<double> sum(topology.components.size());
@@ -37,17 +36,19 @@ class HalfedgeWeights {
       sum[static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(Mesh::face(mesh.halfedge(e)))])] +=
           double(geometry.length(e));
     for (std::size_t c = 0; c < sum.size(); ++c)
-      per_length_.push_back(static_cast<T>(topology.components[c].edges / sum[c]));
+      per_length_.push_back(static_cast<double>(topology.components[c].edges / sum[c]));
     face_component_ = std::move(topology.face_component);
   }
 
-  T operator()(Index h) const { return kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_) * length_factor(h); }
+  double operator()(Index h) const {
+    return kernels::capped_tangent(geometry_.cot(Mesh::prev(h)), cap_) * length_factor(h);
+  }
 
-  T cap() const { return cap_; }
+  double cap() const { return cap_; }
 
-  T length_factor(Index h) const {
-    if (factor_ == LengthFactor::per_edge) return T(1);
-    const T length = geometry_.length(mesh_.edge(h));
+  double length_factor(Index h) const {
+    if (factor_ == LengthFactor::per_edge) return double(1);
+    const double length = geometry_.length(mesh_.edge(h));
     if (factor_ == LengthFactor::metric) return length;
     const Index c = face_component_.empty() ? 0 : face_component_[static_cast<std::size_t>(Mesh::face(h))];
     return length * per_length_[static_cast<std::size_t>(c)];
@@ -55,10 +56,10 @@ class HalfedgeWeights {
 
  private:
   const Mesh& mesh_;
-  const Geometry<T>& geometry_;
-  T cap_;
+  const Geometry& geometry_;
+  double cap_;
   LengthFactor factor_;
-  std::vector<T> per_length_;          // 1 over the mean edge length, per component
+  std::vector<double> per_length_;     // 1 over the mean edge length, per component
   std::vector<Index> face_component_;  // empty where there is only one
 };
 
@@ -68,16 +69,15 @@ using Values = Eigen::Ref<const EdgeValues>;
 using ValuesOut = Eigen::Map<EdgeValues>;
 
 // The lifted state, as the optimisation sees it; at rest, all of it is zero.
-template <class T>
 struct FaceStates {
   static constexpr int N = simd::group_size;
 
   const Mesh& mesh;
-  const Geometry<T>& geometry;
-  const HalfedgeWeights<T>& weights;
+  const Geometry& geometry;
+  const HalfedgeWeights& weights;
   double detail;
-  const VectorX<T>& tau;
-  const LiftedResiduals<T>& r;
+  const VectorX<double>& tau;
+  const LiftedResiduals& r;
   bool at_rest = false;
   simd::GroupLoops loops = simd::group_loops(best_isa());
 
@@ -123,12 +123,11 @@ struct FaceStates {
 
 // What faces do with the edges, by their number, turned by u: parts = the pull of each face on its outer edges, x =
 // what its relaxed corners move by. Edges between paired faces are turned to their optimum.
-template <class T>
 struct Pull {
   static constexpr int N = simd::group_size;
   using Inverse = simd::GroupArray[6];
 
-  const FaceStates<T>& states;
+  const FaceStates& states;
   const FacePairs& faces;
   ValuesOut& u;
   ValuesOut& parts;

@@ -3,8 +3,9 @@
 // optimise.cpp: the connection that minimises D_T + lambda D_E (LTGD 2016, Sec. 5.3).
 //
 // Iterative refinement: the gradient is taken in double, the correction it asks for is solved by conjugate gradients in
-// float (src/connection/global/correction_system.h), which halves the memory traffic that bounds them; where float makes no headway
-// (extreme slivers) the next correction is solved in double. The gradient is what src/connection/global/face_states.h says of faces.
+// float (src/connection/global/correction_system.h), which halves the memory traffic that bounds them; where float
+// makes no headway (extreme slivers) the next correction is solved in double. The gradient is what
+// src/connection/global/face_states.h says of faces.
 #include <array>
 #include <cmath>
 #include <limits>
@@ -13,13 +14,13 @@
 #include <utility>
 
 #include "alcap/connection.h"
-#include "src/base/parallel.h"
 #include "kernels/connection_energy.h"
+#include "src/base/large_array.h"
+#include "src/base/parallel.h"
 #include "src/connection/global/correction_system.h"
 #include "src/connection/global/face_pairs.h"
 #include "src/connection/global/face_states.h"
 #include "src/connection/grounded_laplacian.h"
-#include "src/base/large_array.h"
 
 namespace alcap {
 namespace {
@@ -43,12 +44,11 @@ void validate(const GlobalOptions& o) {
 }
 
 // The correction of rho_{v->e} at both ends of edge e that is best for the state r.
-template <class T>
-std::pair<T, T> edge_correction(const Mesh& mesh, const HalfedgeWeights<T>& weights,
-                                const detail::LiftedResiduals<T>& r, Index e) {
+std::pair<double, double> edge_correction(const Mesh& mesh, const HalfedgeWeights& weights,
+                                          const detail::LiftedResiduals& r, Index e) {
   const Index h = mesh.halfedge(e), g = mesh.twin(h);
   if (g == none) return {r.start[h], r.end[h]};
-  const T here = weights(h), there = weights(g), sum = here + there;
+  const double here = weights(h), there = weights(g), sum = here + there;
   return {(here * r.start[h] + there * r.end[g]) / sum, (here * r.end[h] + there * r.start[g]) / sum};
 }
 
@@ -59,27 +59,25 @@ std::array<double, 3> pull_on(const Values& parts, std::int64_t i, bool open) {
   return {parts(0, row) + parts(0, row + 1), parts(1, row) - parts(1, row + 1), parts(2, row + 1) - parts(2, row)};
 }
 
-template <class T>
-void deviation(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWeights<T>& weights, Connection<T>& c) {
+void deviation(const Mesh& mesh, const Geometry& geometry, const HalfedgeWeights& weights, Connection& c) {
   c.report.D_T = parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
     const Index h = static_cast<Index>(3 * t);
-    const T cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
-    const T tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};
+    const double cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
+    const double tau[3] = {c.tau[h], c.tau[h + 1], c.tau[h + 2]};
     return double(kernels::triangle_energy(cot, tau));
   });
   c.report.D_E = parallel_sum<double>(mesh.halfedges(), [&](std::int64_t i) {
     const Index h = static_cast<Index>(i);
-    const T to_face = c.edge_to_face(geometry, h);
-    const T at_tail = wrap(c.rho_t[h] - c.rho_start(mesh, h) - to_face);
-    const T at_tip = wrap(c.rho_t[Mesh::next(h)] - c.rho_end(mesh, h) - to_face);
+    const double to_face = c.edge_to_face(geometry, h);
+    const double at_tail = wrap(c.rho_t[h] - c.rho_start(mesh, h) - to_face);
+    const double at_tip = wrap(c.rho_t[Mesh::next(h)] - c.rho_end(mesh, h) - to_face);
     return double(kernels::halfedge_energy(weights(h), at_tail, at_tip));
   });
 }
 
 // tau, K and the deviations of a connection whose lifted residuals are r.
-template <class T>
-void close_faces(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWeights<T>& weights,
-                 const detail::LiftedResiduals<T>& r, Connection<T>& c) {
+void close_faces(const Mesh& mesh, const Geometry& geometry, const HalfedgeWeights& weights,
+                 const detail::LiftedResiduals& r, Connection& c) {
   using Sums = std::array<double, 2>;
   const Sums sums = parallel_reduce(
       mesh.faces(), Sums{},
@@ -87,8 +85,8 @@ void close_faces(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWe
         Sums sum{};
         for (std::int64_t t = begin; t < end; ++t) {
           const Index h = static_cast<Index>(3 * t);
-          const T cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
-          T tau[3];
+          const double cot[3] = {geometry.cot(h), geometry.cot(h + 1), geometry.cot(h + 2)};
+          double tau[3];
           for (Index k = 0; k < 3; ++k) {
             c.tau[h + k] = tau[k] = c.eps_along(mesh, h + k) - r.start[h + k] + r.end[h + k];
             sum[1] += double(kernels::halfedge_energy(weights(h + k), r.start[h + k], r.end[h + k]));
@@ -110,8 +108,7 @@ void close_faces(const Mesh& mesh, const Geometry<T>& geometry, const HalfedgeWe
 // g: y = g at both ends of an edge, X = g in its faces. Conjugate gradients in double; returns the iterations.
 class HeldRho {
  public:
-  template <class T>
-  HeldRho(const Mesh& mesh, const Geometry<T>& geometry)
+  HeldRho(const Mesh& mesh, const Geometry& geometry)
       : mesh_(mesh), poisson_(make_linear_solver<double>({.tolerance = 1e-4})) {
     const SparseMatrix<double> L = detail::grounded_laplacian(mesh, geometry, find_topology(mesh));
     poisson_->analyse(L);
@@ -181,15 +178,14 @@ class HeldRho {
 
 namespace detail {
 
-template <class T>
-void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options, bool fix_rho,
-                       Connection<T>& c, LiftedResiduals<T>& r) {
+void optimise_globally(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options, bool fix_rho,
+                       Connection& c, LiftedResiduals& r) {
   validate(options);
   // A float solve gains about five digits before its rounding shows; less than one digit means it is of no use here.
   constexpr double float_reduction = 1e-5, useful_reduction = 0.1;
 
-  const HalfedgeWeights<T> weights(mesh, geometry, options);
-  const FaceStates<T> states{mesh, geometry, weights, options.detail, c.tau, r};
+  const HalfedgeWeights weights(mesh, geometry, options);
+  const FaceStates states{mesh, geometry, weights, options.detail, c.tau, r};
   const auto coefficients = [&](const auto& first, auto& out) { states.coefficients(first, out); };
   const LargeArray<double> u_memory(3 * static_cast<std::size_t>(mesh.edges()));
   const LargeArray<double> x(static_cast<std::size_t>(mesh.halfedges()));
@@ -199,14 +195,14 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   {
     const LargeArray<double> parts_memory(6 * static_cast<std::size_t>(faces.outer));
     ValuesOut parts(parts_memory.data(), 3, 2 * std::int64_t{faces.outer});
-    const Pull<T> pulls{states, faces, u, parts, x.data()};
+    const Pull pulls{states, faces, u, parts, x.data()};
     // The first pull comes with the coefficients that both need.
     CorrectionSystem<float> system(mesh, faces, coefficients, fix_rho, pulls);
     std::optional<CorrectionSystem<double>> full_system;  // only where float does not do
     std::optional<HeldRho> held;
     if (fix_rho) held.emplace(mesh, geometry);
 
-    const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<T>::epsilon()));
+    const double tolerance = std::max(options.tolerance, 4.0 * double(std::numeric_limits<double>::epsilon()));
     const auto rhs = [&](Index i) {
       std::array<double, 3> pull = pull_on(parts, i, mesh.boundary_halfedge(mesh.halfedge(faces.edge[at(i)])));
       if (fix_rho) pull[2] = 0;
@@ -227,7 +223,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       const double norm = std::sqrt(std::max(0.0, square));
       if (round == 0) first = norm;
       // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
-      const double floor = double(std::numeric_limits<T>::epsilon()) * std::sqrt(double(mesh.halfedges()));
+      const double floor = double(std::numeric_limits<double>::epsilon()) * std::sqrt(double(mesh.halfedges()));
       c.report.residual = first > floor ? norm / first : 0.0;
       const int left = options.max_iterations - c.report.iterations;
       if (c.report.residual <= tolerance || left <= 0) break;
@@ -238,9 +234,9 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
       last = norm;
       const double wanted = 0.5 * tolerance / c.report.residual;
       if (held) {
-        const VectorX<T> nothing;
-        const LiftedResiduals<T> nowhere;
-        const FaceStates<T> rest{mesh, geometry, weights, options.detail, nothing, nowhere, true};
+        const VectorX<double> nothing;
+        const LiftedResiduals nowhere;
+        const FaceStates rest{mesh, geometry, weights, options.detail, nothing, nowhere, true};
         VectorX<double> moved(mesh.halfedges());
         EdgeValues gradient(3, mesh.edges());
         parallel_for(mesh.edges(), [&](std::int64_t e) {
@@ -250,7 +246,7 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
         const auto product = [&](EdgeValues& direction) {
           EdgeValues out(3, mesh.edges());
           ValuesOut turned(direction.data(), 3, mesh.edges());
-          Pull<T>{rest, faces, turned, parts, moved.data()}.all(system);
+          Pull{rest, faces, turned, parts, moved.data()}.all(system);
           parallel_for(mesh.edges(), [&](std::int64_t e) {
             const auto pull = rhs(static_cast<Index>(e));
             out(0, e) = -pull[0];
@@ -292,20 +288,20 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
     for (Index k = 0; k < 3; ++k) {
       const Index e = mesh.edge(h + k);
       const double here = x[at(h + k)];
-      c.rho_t[h + k] += static_cast<T>(here - turn[mesh.tail(h + k)]);
-      r.start[h + k] += static_cast<T>(here);
-      r.end[h + k] += static_cast<T>(x[at(h + (k + 1) % 3)]);
+      c.rho_t[h + k] += static_cast<double>(here - turn[mesh.tail(h + k)]);
+      r.start[h + k] += static_cast<double>(here);
+      r.end[h + k] += static_cast<double>(x[at(h + (k + 1) % 3)]);
       if (!fix_rho && mesh.canonical(h + k)) {
-        c.rho[e] += static_cast<T>(u(2, faces.number[at(e)]) - turn[mesh.tail(h + k)] + turn[mesh.tip(h + k)]);
-        c.eps[e] += static_cast<T>(u(2, faces.number[at(e)]));
+        c.rho[e] += static_cast<double>(u(2, faces.number[at(e)]) - turn[mesh.tail(h + k)] + turn[mesh.tip(h + k)]);
+        c.eps[e] += static_cast<double>(u(2, faces.number[at(e)]));
       }
     }
   });
   parallel_for(mesh.edges(), [&](std::int64_t e) {
     const auto [at_tail, at_tip] = edge_correction(mesh, weights, r, static_cast<Index>(e));
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    c.rho_e[2 * e] += at_tail - static_cast<T>(turn[mesh.tail(h)]);
-    c.rho_e[2 * e + 1] += at_tip - static_cast<T>(turn[mesh.tip(h)]);
+    c.rho_e[2 * e] += at_tail - static_cast<double>(turn[mesh.tail(h)]);
+    c.rho_e[2 * e + 1] += at_tip - static_cast<double>(turn[mesh.tip(h)]);
     c.eps[e] += at_tip - at_tail;
     r.start[h] -= at_tail;
     r.end[h] -= at_tip;
@@ -317,20 +313,11 @@ void optimise_globally(const Mesh& mesh, const Geometry<T>& geometry, const Glob
   close_faces(mesh, geometry, weights, r, c);
 }
 
-template void optimise_globally(const Mesh&, const Geometry<float>&, const GlobalOptions&, bool, Connection<float>&,
-                                LiftedResiduals<float>&);
-template void optimise_globally(const Mesh&, const Geometry<double>&, const GlobalOptions&, bool, Connection<double>&,
-                                LiftedResiduals<double>&);
-
 }  // namespace detail
 
-template <class T>
-void measure_deviation(const Mesh& mesh, const Geometry<T>& geometry, const GlobalOptions& options, Connection<T>& c) {
+void measure_deviation(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options, Connection& c) {
   validate(options);
-  deviation(mesh, geometry, HalfedgeWeights<T>(mesh, geometry, options), c);
+  deviation(mesh, geometry, HalfedgeWeights(mesh, geometry, options), c);
 }
-
-template void measure_deviation(const Mesh&, const Geometry<float>&, const GlobalOptions&, Connection<float>&);
-template void measure_deviation(const Mesh&, const Geometry<double>&, const GlobalOptions&, Connection<double>&);
 
 }  // namespace alcap

@@ -18,8 +18,8 @@ void check_rows(const char* what, std::int64_t rows, std::int64_t expected) {
 
 }  // namespace
 
-Flow::Flow(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-           const Connection<double>& connection, const Field<double>& field)
+Flow::Flow(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
+           const Field& field)
     : mesh_(mesh), V_(V), geometry_(geometry), connection_(connection), field_(field) {
   if (field.n < 1) throw OptionError("field.n", std::to_string(field.n), "must be at least 1");
   check_rows("V", V.rows(), mesh.vertices());

@@ -109,12 +109,12 @@ struct FaceChart {
 /// A field on its surface, with what tracing needs to know of the whole. Checks its arguments: throws OptionError.
 class Flow {
  public:
-  Flow(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-       const Connection<double>& connection, const Field<double>& field);
+  Flow(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
+       const Field& field);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
-  [[nodiscard]] const Geometry<double>& geometry() const { return geometry_; }
-  [[nodiscard]] const Connection<double>& connection() const { return connection_; }
+  [[nodiscard]] const Geometry& geometry() const { return geometry_; }
+  [[nodiscard]] const Connection& connection() const { return connection_; }
   [[nodiscard]] int n() const { return field_.n; }
   [[nodiscard]] double diagonal() const { return diagonal_; }
   [[nodiscard]] double mean_edge() const { return mean_edge_; }
@@ -144,9 +144,9 @@ class Flow {
  private:
   const Mesh& mesh_;
   const Positions<double>& V_;
-  const Geometry<double>& geometry_;
-  const Connection<double>& connection_;
-  const Field<double>& field_;
+  const Geometry& geometry_;
+  const Connection& connection_;
+  const Field& field_;
   std::vector<Singularity> zeros_;
   std::vector<Index> zero_of_;
   double diagonal_ = 0, mean_edge_ = 0;

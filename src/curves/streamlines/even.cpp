@@ -261,9 +261,8 @@ class EvenlySpaced {
 
 namespace alcap {
 
-CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                     const Connection<double>& connection, const Field<double>& field,
-                     const StreamlineOptions& options) {
+CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                     const Connection& connection, const Field& field, const StreamlineOptions& options) {
   detail::check(options);
   const detail::Flow flow(mesh, V, geometry, connection, field);
   return detail::collect(flow, detail::EvenlySpaced(flow, options).run());

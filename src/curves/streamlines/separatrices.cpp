@@ -64,9 +64,9 @@ Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi
 }  // namespace
 }  // namespace detail
 
-CurveSet separatrices(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                      const Connection<double>& connection, const Field<double>& field,
-                      std::span<const Singularity> singularities, const StreamlineOptions& options) {
+CurveSet separatrices(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                      const Connection& connection, const Field& field, std::span<const Singularity> singularities,
+                      const StreamlineOptions& options) {
   detail::check(options);
   const detail::Flow flow(mesh, V, geometry, connection, field);
   const detail::PathLimits limits = detail::limits(flow, options);

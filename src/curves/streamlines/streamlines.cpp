@@ -118,9 +118,9 @@ void CurveSet::append(const CurveSet& other) {
   end_reason.insert(end_reason.end(), other.end_reason.begin(), other.end_reason.end());
 }
 
-CurveSet trace_curves(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
-                      const Connection<double>& connection, const Field<double>& field,
-                      std::span<const CurveSeed> seeds, const StreamlineOptions& options) {
+CurveSet trace_curves(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                      const Connection& connection, const Field& field, std::span<const CurveSeed> seeds,
+                      const StreamlineOptions& options) {
   detail::check(options);
   const detail::Flow flow(mesh, V, geometry, connection, field);
   const detail::PathLimits limits = detail::limits(flow, options);

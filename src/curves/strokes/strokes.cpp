@@ -22,13 +22,13 @@ constexpr double no_length = 1e-12;
 using Barycentric = std::array<double, 3>;
 
 /// The vector from a to b in the frame of face t.
-Complex<double> difference(const Geometry<double>& geometry, const Mesh& mesh, Index t, const Barycentric& a,
+Complex<double> difference(const Geometry& geometry, const Mesh& mesh, Index t, const Barycentric& a,
                            const Barycentric& b) {
   const double l = geometry.length(mesh.edge(3 * t)), m = geometry.length(mesh.edge(3 * t + 2));
   return (b[1] - a[1]) * Complex<double>(l) + (b[2] - a[2]) * std::polar(m, geometry.angle(3 * t));
 }
 
-void append(SurfacePolyline& line, const Mesh& mesh, const Geometry<double>& geometry, const detail::Step& step) {
+void append(SurfacePolyline& line, const Mesh& mesh, const Geometry& geometry, const detail::Step& step) {
   const Complex<double> d = difference(geometry, mesh, step.face, step.a, step.b);
   const double length = std::abs(d);
   if (!(length > no_length * std::sqrt(geometry.area(step.face)))) return;
@@ -87,7 +87,7 @@ bool connected(const Mesh& mesh, Index from, Index to) {
 }
 
 /// Halfedges of a shortest path of edges from a to b, in order; empty when there is none.
-std::vector<Index> shortest_path(const Mesh& mesh, const Geometry<double>& geometry, Index a, Index b) {
+std::vector<Index> shortest_path(const Mesh& mesh, const Geometry& geometry, Index a, Index b) {
   struct Reached {
     double distance = std::numeric_limits<double>::infinity();
     Index from = none;  // a halfedge that points here, or away from here (its mirror) on a boundary
@@ -147,7 +147,7 @@ SurfacePolyline SurfacePolyline::reversed() const {
   return out;
 }
 
-SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
                                       const std::vector<SurfacePoint>& points) {
   SurfacePolyline line;
   std::vector<SurfacePoint> at;
@@ -180,8 +180,7 @@ SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>&
   return line;
 }
 
-SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry<double>& geometry,
-                                      const std::vector<Index>& vertices) {
+SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry& geometry, const std::vector<Index>& vertices) {
   for (std::size_t k = 0; k < vertices.size(); ++k)
     if (vertices[k] < 0 || vertices[k] >= mesh.vertices() || !mesh.referenced(vertices[k]))
       throw OptionError("vertices[" + std::to_string(k) + "]", std::to_string(vertices[k]),
@@ -222,14 +221,14 @@ SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry<double>& 
   return line;
 }
 
-SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
                                   const SurfaceLocator& locator, const Positions<double>& points) {
   std::vector<SurfacePoint> on_surface;
   for (Eigen::Index k = 0; k < points.rows(); ++k) on_surface.push_back(locator.closest(points.row(k)));
   return stroke_through_points(mesh, V, geometry, on_surface);
 }
 
-SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry<double>& geometry,
+SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
                                   const Positions<double>& points) {
   return stroke_from_space(mesh, V, geometry, SurfaceLocator(mesh, V), points);
 }

@@ -7,12 +7,12 @@
 
 #include "alcap/energies.h"
 #include "alcap/operators.h"
-#include "src/base/parallel.h"
 #include "alcap/singularities.h"
-#include "src/field/component_blocks.h"
-#include "src/design/variational/rows.h"
+#include "src/base/parallel.h"
 #include "src/design/eigen/pencil.h"
 #include "src/design/eigen/rows.h"
+#include "src/design/variational/rows.h"
+#include "src/field/component_blocks.h"
 
 namespace alcap {
 namespace {
@@ -87,7 +87,7 @@ struct TargetFlux {
   std::array<Index, 3> vertex{};
   std::array<C, 3> coefficient{};
 
-  TargetFlux(const Mesh& mesh, const FirstOrderOperators<double>& operators, int n, const SingularityTarget& target) {
+  TargetFlux(const Mesh& mesh, const FirstOrderOperators& operators, int n, const SingularityTarget& target) {
     const C turn = std::polar(1.0, -detail::target_turns(n, target.sign) * target.orientation);
     for (std::size_t c = 0; c < 3; ++c) {
       const Index at = 3 * target.face + static_cast<Index>(c);
@@ -132,8 +132,8 @@ EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n,
 
 }  // namespace
 
-EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
-                               std::shared_ptr<const Frames<double>> frames, const EigenControls& controls,
+EigenDesignResult eigen_design(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                               std::shared_ptr<const Frames> frames, const EigenControls& controls,
                                const EigenDesignOptions& options) {
   validate(mesh, controls, options);
   const std::vector<EigenStroke>& strokes = controls.strokes;
@@ -142,7 +142,7 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
   result.field.n = options.n;
   result.field.frames = std::move(frames);
   result.field.u = ComplexVectorX<double>::Zero(mesh.vertices());
-  StiffnessMass<double> matrices;
+  StiffnessMass matrices;
   {
     const HermitianPattern pattern(mesh);
     matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
@@ -193,7 +193,7 @@ EigenDesignResult eigen_design(const Mesh& mesh, const Geometry<double>& geometr
   };
   if (!controls.singularities.empty()) {
     // Area integrals: those S is made of, so that a lone target is met exactly.
-    const FirstOrderOperators<double> operators =
+    const FirstOrderOperators operators =
         first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = OperatorKind::triangle});
     for (const SingularityTarget& target : controls.singularities) {
       const std::size_t c = component_of_target(target);

@@ -28,8 +28,8 @@ struct Node {
 };
 
 // The middles of the pieces, and both ends of an open stroke.
-std::vector<Node> nodes_along(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection,
-                              int n, const SurfacePolyline& line) {
+std::vector<Node> nodes_along(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                              const SurfacePolyline& line) {
   const auto sample = [&](std::size_t k, double s) {
     return sample_at(mesh, geometry, connection, n, line.segments[k], s);
   };
@@ -61,7 +61,7 @@ std::vector<Node> nodes_along(const Mesh& mesh, const Geometry<double>& geometry
 
 }  // namespace
 
-StrokeSample sample_at(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection, int n,
+StrokeSample sample_at(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                        const SurfaceSegment& segment, double s) {
   const kernels::TriangleFrame<double> frame = triangle_frame(mesh, geometry, connection, segment.face);
   const std::array<double, 3> b = segment.at(s);
@@ -76,8 +76,8 @@ StrokeSample sample_at(const Mesh& mesh, const Geometry<double>& geometry, const
   return sample;
 }
 
-std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry<double>& geometry,
-                                        const Connection<double>& connection, int n, const SurfacePolyline& line) {
+std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                        const SurfacePolyline& line) {
   const double offset = std::sqrt(0.15);
   const double at[3] = {0.5 - offset, 0.5, 0.5 + offset}, weight[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
   std::vector<StrokeSample> samples;
@@ -89,7 +89,7 @@ std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry<double>
   return samples;
 }
 
-DesignRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry, const Connection<double>& connection, int n,
+DesignRows stroke_rows(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                        const SurfacePolyline& given, double offset) {
   // Pieces are counted from one end, always the same, so that a stroke drawn backwards has the same rows.
   const SurfaceSegment &front = given.segments.front(), &back = given.segments.back();

@@ -40,19 +40,16 @@ struct StrokeSample {
 };
 
 /// conj(c^n) u at the fraction s of a segment.
-[[nodiscard]] StrokeSample sample_at(const Mesh& mesh, const Geometry<double>& geometry,
-                                     const Connection<double>& connection, int n, const SurfaceSegment& segment,
-                                     double s);
+[[nodiscard]] StrokeSample sample_at(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                     const SurfaceSegment& segment, double s);
 
 /// Three Gauss points on every segment; their weights add up to the length.
-[[nodiscard]] std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry<double>& geometry,
-                                                      const Connection<double>& connection, int n,
-                                                      const SurfacePolyline& line);
+[[nodiscard]] std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry& geometry,
+                                                      const Connection& connection, int n, const SurfacePolyline& line);
 
 /// Squares of `across` sum up to int (d/ds p)^2 + offset p^2 ds, p = Im(conj(c^n) u), those of `along` to
 /// int (Re(conj(c^n) u))^2 ds.
-[[nodiscard]] DesignRows stroke_rows(const Mesh& mesh, const Geometry<double>& geometry,
-                                     const Connection<double>& connection, int n, const SurfacePolyline& given,
-                                     double offset);
+[[nodiscard]] DesignRows stroke_rows(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                     const SurfacePolyline& given, double offset);
 
 }  // namespace alcap::detail

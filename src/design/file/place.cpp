@@ -59,7 +59,7 @@ double face_direction(const std::string& path, const Mesh& mesh, const Positions
   return direction(path, given, {d.dot(x), d.dot(normal.cross(x))});
 }
 
-double vertex_direction(const std::string& path, const Frames<double>& frames, Index v, const Vector3& given) {
+double vertex_direction(const std::string& path, const Frames& frames, Index v, const Vector3& given) {
   return direction(path, given, frames.component(v, unit(given)));
 }
 
@@ -67,8 +67,8 @@ double swirl(SingularityKind kind) {
   return kind == SingularityKind::vortex ? 90 : kind == SingularityKind::sink ? 180 : 0;
 }
 
-SurfacePolyline traced(const std::string& path, const Mesh& mesh, const Positions<double>& V,
-                       const Geometry<double>& geometry, const DesignStroke& stroke) {
+SurfacePolyline traced(const std::string& path, const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                       const DesignStroke& stroke) {
   try {
     if (!stroke.vertices.empty()) return stroke_along_vertices(mesh, geometry, stroke.vertices);
     std::vector<SurfacePoint> points;
@@ -137,7 +137,7 @@ DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positi
 }
 
 std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh, const Positions<double>& V,
-                                           const Geometry<double>& geometry, const Frames<double>& frames) {
+                                           const Geometry& geometry, const Frames& frames) {
   std::vector<DesignControl> controls;
   const int n = design.n;
   for (std::size_t k = 0; k < design.singularities.size(); ++k) {

@@ -43,9 +43,9 @@ struct ControlLoad {
 struct ControlLoads {
   const Mesh& mesh;
   const Positions<double>& V;
-  const Geometry<double>& geometry;
-  const Connection<double>& connection;
-  const FirstOrderOperators<double>& operators;
+  const Geometry& geometry;
+  const Connection& connection;
+  const FirstOrderOperators& operators;
   int n = 1;
 
   [[nodiscard]] ControlLoad operator()(const SingularityTarget& target) const;

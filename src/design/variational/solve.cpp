@@ -173,7 +173,7 @@ void Designer::State::apply_rows(DesignResult& result) {
   result.field.u -= X.col(0);
 }
 
-ControlReport Designer::State::judge(ControlId id, const Control& control, const Field<double>& field) const {
+ControlReport Designer::State::judge(ControlId id, const Control& control, const Field& field) const {
   const ComplexVectorX<double>& u = field.u;
   ControlReport report{.id = id};
   const ControlLoad& load = prepared.at(id).load;

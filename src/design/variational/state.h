@@ -49,16 +49,16 @@ struct Designer::State {
   static constexpr int probes = 4;
 
   const Mesh& mesh;
-  const Geometry<double>& geometry;
-  const Connection<double>& connection;
+  const Geometry& geometry;
+  const Connection& connection;
   DesignerOptions options;
 
   HermitianPattern pattern;
   SparseMatrix<C> S2, M;     // 2 S (of the energy family) with ones for unreferenced vertices; the mass
   SparseMatrix<C> weighted;  // the mass with the vertices' weights; empty: M
   SparseMatrix<C> A;         // what is factorised: 2 S + w M, and folded rows
-  FirstOrderOperators<double> operators;
-  std::shared_ptr<const Frames<double>> frames;
+  FirstOrderOperators operators;
+  std::shared_ptr<const Frames> frames;
   std::unique_ptr<LinearSolver<C>> solver;
   detail::ControlLoads loads;
 
@@ -74,8 +74,8 @@ struct Designer::State {
   MatrixX<C> common;          // A^-1 of everything but live targets; no columns: unknown
 
   // The system: designer_system.cpp.
-  State(const Mesh& mesh_, const Positions<double>& V_, const Geometry<double>& geometry_,
-        const Connection<double>& connection_, const DesignerOptions& options_);
+  State(const Mesh& mesh_, const Positions<double>& V_, const Geometry& geometry_, const Connection& connection_,
+        const DesignerOptions& options_);
   void tell(std::string_view phase) const {
     if (options.progress) options.progress(phase);
   }
@@ -139,7 +139,7 @@ struct Designer::State {
   // The solution before the rows, from the common one and the live ones.
   void solve_loads(DesignResult& result);
   void apply_rows(DesignResult& result);
-  [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field<double>& field) const;
+  [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field& field) const;
 
   // Controls: designer.cpp.
   // A control has come, gone or changed.

@@ -28,8 +28,8 @@ std::string Designer::State::shown(double value) {
   return text;
 }
 
-Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geometry<double>& geometry_,
-                       const Connection<double>& connection_, const DesignerOptions& options_)
+Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geometry& geometry_,
+                       const Connection& connection_, const DesignerOptions& options_)
     : mesh(mesh_),
       geometry(geometry_),
       connection(connection_),
@@ -38,7 +38,7 @@ Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geo
       loads({mesh_, V_, geometry_, connection_, operators, options_.n}) {
   validate();
   tell("assembly");
-  StiffnessMass<double> matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
+  StiffnessMass matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
   M.swap(matrices.M);  // sparse matrices copy when they are moved
   S2.swap(matrices.S);
   apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, S2);
@@ -47,7 +47,7 @@ Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geo
   for (Index v = 0; v < mesh.vertices(); ++v)
     if (!mesh.referenced(v)) S2.valuePtr()[pattern.diagonal(v)] = 1;  // stays zero
   operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
-  frames = std::make_shared<const Frames<double>>(vertex_frames(mesh, V_, geometry, connection));
+  frames = std::make_shared<const Frames>(vertex_frames(mesh, V_, geometry, connection));
   guidance = ComplexVectorX<double>::Zero(mesh.vertices());
   solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = all_right_hand_sides()});
   solver->set_transport(M);

@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "src/base/atomic_file.h"
 #include "alcap/output.h"
+#include "src/base/atomic_file.h"
 
 namespace alcap::detail {
 
@@ -22,10 +22,10 @@ class FieldJob {
   const FieldOutput& out;
 
   /// The field at the barycenters in face frames.
-  [[nodiscard]] const Field<double>& at_faces() const { return at_faces_; }
+  [[nodiscard]] const Field& at_faces() const { return at_faces_; }
 
  private:
-  Field<double> at_faces_;
+  Field at_faces_;
 };
 
 /// Files with all of their bytes that do not have their names yet.

@@ -3,9 +3,9 @@
 // ply.cpp: the mesh with the field at its vertices, binary little endian, everything in double: what read_ply.cpp reads
 // back bit for bit. Programs that know only meshes see a mesh with normals.
 #include "alcap/version.h"
+#include "src/field/branches.h"
 #include "src/io/field/format.h"
 #include "src/io/field/rows.h"
-#include "src/field/branches.h"
 
 namespace alcap::detail {
 namespace {
@@ -32,7 +32,7 @@ std::string header(const FieldOutput& out) {
 
 WrittenFiles write(const FieldJob& job, const Target& target) {
   const FieldOutput& out = job.out;
-  const Branches<double> branches(out.field.n);
+  const Branches branches(out.field.n);
   WrittenFiles files = open_files({target.file});
   AtomicFile& file = *files[0];
   file.write(header(out));

@@ -10,9 +10,9 @@
 #include <cstring>
 #include <vector>
 
+#include "src/field/branches.h"
 #include "src/io/field/format.h"
 #include "src/io/field/rows.h"
-#include "src/field/branches.h"
 
 namespace alcap::detail {
 namespace {
@@ -39,9 +39,9 @@ char* put_opposite(const char* from, std::size_t length, char* to) {
 }
 
 // Every line ends with a newline, also the last: Directional's reader reports failure at a file that ends in a digit.
-void write_raw(AtomicFile& file, const Field<double>& field) {
+void write_raw(AtomicFile& file, const Field& field) {
   const int n = field.n;
-  const Branches<double> branches(n);
+  const Branches branches(n);
   file.write(std::to_string(n) + " " + std::to_string(field.u.size()) + "\n");
   // One more entry, for what put_opposite() copies too much.
   const std::size_t most = (3 * static_cast<std::size_t>(n) + 1) * longest_entry;
@@ -77,7 +77,7 @@ void write_sings(AtomicFile& file, int n, const std::vector<Pole>& poles) {
   for (const Pole& p : poles) file.write(std::to_string(p.element) + " " + std::to_string(p.index) + "\n");
 }
 
-WrittenFiles write(const Field<double>& field, const std::vector<Pole>& poles, const Target& target,
+WrittenFiles write(const Field& field, const std::vector<Pole>& poles, const Target& target,
                    std::string_view sings_extension) {
   WrittenFiles files = open_files({target.file, target.beside(sings_extension)});
   write_raw(*files[0], field);
@@ -86,7 +86,7 @@ WrittenFiles write(const Field<double>& field, const std::vector<Pole>& poles, c
 }
 
 WrittenFiles write_per_face(const FieldJob& job, const Target& target) {
-  const Field<double>& field = job.at_faces();
+  const Field& field = job.at_faces();
   const std::vector<int> indices = vertex_indices(job.out.mesh, job.out.geometry, field);
   std::vector<Pole> poles;
   for (std::size_t v = 0; v < indices.size(); ++v) {

@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "alcap/mesh_io.h"
-#include "src/base/parallel.h"
 #include "src/base/bytes.h"
+#include "src/base/parallel.h"
+#include "src/io/field/format.h"
 #include "src/io/mesh/mapped_file.h"
 #include "src/io/mesh/ply_header.h"
-#include "src/io/field/format.h"
 
 namespace alcap {
 namespace detail {
@@ -93,7 +93,7 @@ FieldFile read(const Source& source, const std::filesystem::path& file) {
   out.F = std::move(mesh.F);
 
   const std::int64_t vertices = out.V.rows();
-  Frames<double> frames{Positions<double>(vertices, 3), Positions<double>(vertices, 3)};
+  Frames frames{Positions<double>(vertices, 3), Positions<double>(vertices, 3)};
   out.field.u.resize(vertices);
   parallel_for(vertices, [&](std::int64_t v) {
     const char* const row = header.body + static_cast<std::size_t>(v) * columns.stride;
@@ -109,7 +109,7 @@ FieldFile read(const Source& source, const std::filesystem::path& file) {
                         frames.X.row(v).allFinite() && frames.N.row(v).allFinite();
     if (!finite) fail(source, "the field or the frame at vertex " + std::to_string(v) + " is not finite");
   }
-  out.field.frames = std::make_shared<const Frames<double>>(std::move(frames));
+  out.field.frames = std::make_shared<const Frames>(std::move(frames));
   return out;
 }
 

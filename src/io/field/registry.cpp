@@ -105,7 +105,7 @@ void check(const FieldOutput& out) {
 FieldJob::FieldJob(const FieldOutput& output, bool with_faces) : out(output) {
   if (!with_faces) return;
   at_faces_ = alcap::at_faces(out.mesh, out.geometry, out.connection, out.field,
-                              std::make_shared<const Frames<double>>(face_frames(out.mesh, out.V)));
+                              std::make_shared<const Frames>(face_frames(out.mesh, out.V)));
 }
 
 WrittenFiles open_files(const std::vector<std::filesystem::path>& paths) {

@@ -3,16 +3,16 @@
 // rosy.cpp: rotationally symmetric direction fields as vcglib reads them: the number of faces, n, then one direction
 // per face. The other n - 1 follow by turning about the normal, so only branch 0 is written, with unit length; zero
 // where the field is.
+#include "src/field/branches.h"
 #include "src/io/field/format.h"
 #include "src/io/field/rows.h"
-#include "src/field/branches.h"
 
 namespace alcap::detail {
 namespace {
 
 WrittenFiles write(const FieldJob& job, const Target& target) {
-  const Field<double>& field = job.at_faces();
-  const Branches<double> branches(field.n);
+  const Field& field = job.at_faces();
+  const Branches branches(field.n);
   WrittenFiles files = open_files({target.file});
   AtomicFile& file = *files[0];
   file.write(std::to_string(field.u.size()) + "\n" + std::to_string(field.n) + "\n");

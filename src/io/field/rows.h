@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "src/base/atomic_file.h"
-#include "src/base/parallel.h"
 #include "src/base/bytes.h"
+#include "src/base/parallel.h"
 #include "src/base/shortest.h"
 
 namespace alcap::detail {

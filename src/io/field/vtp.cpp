@@ -2,9 +2,9 @@
 //
 // vtp.cpp: VTK's XML PolyData with raw appended data: the surface with the field, and beside it the singularities as
 // points. Field data "n" holds the number of branches.
+#include "src/field/branches.h"
 #include "src/io/field/format.h"
 #include "src/io/field/polydata.h"
-#include "src/field/branches.h"
 
 namespace alcap::detail {
 namespace {
@@ -21,8 +21,8 @@ Array vectors(std::string name, const Positions<double>& rows) {
 }
 
 void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<std::int32_t>& index) {
-  const Field<double>& field = out.field;
-  const Branches<double> branches(field.n);
+  const Field& field = out.field;
+  const Branches branches(field.n);
   const std::int64_t vertices = out.mesh.vertices(), faces = out.mesh.faces();
 
   const Section points{"Points", "", {vectors("Points", out.V)}};

@@ -5,8 +5,8 @@
 
 #include <string_view>
 
-#include "src/base/atomic_file.h"
 #include "alcap/mesh_io.h"
+#include "src/base/atomic_file.h"
 #include "src/io/mesh/source.h"
 
 namespace alcap::detail {

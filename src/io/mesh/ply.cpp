@@ -4,8 +4,8 @@
 // property or element, of any type and in any order, is stepped over.
 #include <array>
 
-#include "src/io/mesh/builder.h"
 #include "src/base/bytes.h"
+#include "src/io/mesh/builder.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/ply_body.h"
 

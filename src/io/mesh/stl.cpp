@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "src/io/mesh/builder.h"
 #include "src/base/bytes.h"
+#include "src/io/mesh/builder.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/tokenizer.h"
 #include "src/io/mesh/weld.h"
