@@ -44,13 +44,13 @@ struct Plan {
 
 /// A mesh of about `faces` triangles; spheres have 20 f^2, which all sizes of the targets are. Scans are subdivided and
 /// come in sizes 20 4^level: the nearest one.
-inline Surface make_surface(const std::string& family, std::int64_t faces) {
+inline MeshData make_surface(const std::string& family, std::int64_t faces) {
   const int level = std::max(3, static_cast<int>(std::lround(std::log2(double(faces) / 20) / 2)));
   const int across = std::max(3, static_cast<int>(std::lround(std::sqrt(double(faces) / 4))));
   const auto pieces = static_cast<Index>(std::max(3L, std::lround(std::sqrt(double(faces) / 20))));
   if (family == "icosphere") return geodesic_sphere(pieces);
   if (family == "jittered") {
-    Surface sphere = geodesic_sphere(pieces);
+    MeshData sphere = geodesic_sphere(pieces);
     jitter(sphere, 0.2, 1);
     return sphere;
   }
@@ -67,10 +67,10 @@ inline double seconds_since(std::chrono::steady_clock::time_point start) {
 /// A mesh, and what benchmarks in a row share of it, made when first asked for.
 class Prepared {
  public:
-  Surface surface;
+  MeshData surface;
   Mesh mesh;
   Geometry geometry;
-  explicit Prepared(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
+  explicit Prepared(MeshData s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
 
   /// Globally optimal.
   [[nodiscard]] const Connection& connection() const {

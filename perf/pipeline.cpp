@@ -102,19 +102,19 @@ void declare(const perf::Plan& plan) {
 
 // Many small meshes in memory, as the target asks: 2K to 10K triangles, n = 4, to 1e-6.
 void batch(benchmark::State& state, int jobs) {
-  std::vector<Surface> meshes;
+  std::vector<MeshData> meshes;
   for (int across = 23; across <= 50; ++across) {
     meshes.push_back(torus_random_diagonals(2 * across, across, 1.0, 0.4, static_cast<std::uint64_t>(across)));
     meshes.push_back(noisy_scan(4, 0.1, static_cast<std::uint64_t>(across)));
   }
   std::int64_t faces = 0;
-  for (const Surface& s : meshes) faces += s.F.rows();
+  for (const MeshData& s : meshes) faces += s.F.rows();
   std::atomic<int> bad{0};
   for (auto _ : state)
     run_batch(
         static_cast<std::int64_t>(meshes.size()), {.field = {.n = 4, .eigen = {.tolerance = 1e-6}}, .jobs = jobs},
         [&](Context& context, std::int64_t i) {
-          const Surface& s = meshes[static_cast<std::size_t>(i)];
+          const MeshData& s = meshes[static_cast<std::size_t>(i)];
           if (!context.run(s.V, s.F).certificate.holds()) ++bad;
         },
         [&](std::int64_t, const std::exception&) { ++bad; });

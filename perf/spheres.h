@@ -16,10 +16,10 @@
 namespace alcap::perf {
 
 /// The icosahedron with every edge cut into f pieces and every face into f^2, projected to the unit sphere.
-inline Surface geodesic_sphere(Index f) {
-  const Surface base = icosphere(0);
+inline MeshData geodesic_sphere(Index f) {
+  const MeshData base = icosphere(0);
   const Index faces = static_cast<Index>(base.F.rows());
-  Surface s{Positions<double>(10 * f * f + 2, 3), Faces(20 * f * f, 3)};
+  MeshData s{Positions<double>(10 * f * f + 2, 3), Faces(20 * f * f, 3)};
   s.V.topRows(12) = base.V;
   Index vertices = 12, row = 0;
   std::map<std::pair<Index, Index>, Index> first_on_edge;
@@ -61,7 +61,7 @@ inline Surface geodesic_sphere(Index f) {
 }
 
 /// Vertices of a unit sphere moved within it by up to `amount` mean edge lengths.
-inline void jitter(Surface& sphere, double amount, std::uint64_t seed) {
+inline void jitter(MeshData& sphere, double amount, std::uint64_t seed) {
   const double edge = std::sqrt(4 * pi<double> / double(sphere.F.rows()) * 4 / std::sqrt(3.0));
   detail::Random random(seed);
   for (Eigen::Index v = 0; v < sphere.V.rows(); ++v) {

@@ -5,9 +5,11 @@
 
 // IWYU pragma: begin_exports
 #include "alcap/alignment.h"
+#include "alcap/arrays.h"
 #include "alcap/assembly.h"
 #include "alcap/batch.h"
 #include "alcap/cones.h"
+#include "alcap/connected_surface.h"
 #include "alcap/connection.h"
 #include "alcap/controls.h"
 #include "alcap/conventions.h"
@@ -32,6 +34,7 @@
 #include "alcap/solve.h"
 #include "alcap/streamlines.h"
 #include "alcap/strokes.h"
+#include "alcap/surface.h"
 #include "alcap/topology.h"
 #include "alcap/version.h"
 // IWYU pragma: end_exports

@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 // ThreadSanitizer cannot find the line of every access in code that was inlined into the scheduler. So bodies have
@@ -188,6 +189,13 @@ void run_with_threads(int threads, Body&& body) {
     marks.leave();
   });
   marks.after();
+}
+
+/// Runs body so that this thread, while it waits for loops inside, takes no work from outside of them: for what must
+/// not be entered twice by one thread, such as the initialisation under a std::once_flag.
+template <class Body>
+void run_isolated(Body&& body) {
+  tbb::this_task_arena::isolate(std::forward<Body>(body));
 }
 
 #undef ALCAP_OWN_FRAME

@@ -28,10 +28,10 @@ void positive(double value, const char* field) {
 }
 
 /// 1-to-4 split; midpoints are numbered in the order in which the halfedges meet them.
-Surface subdivided(const Surface& s) {
+MeshData subdivided(const MeshData& s) {
   const Index old = static_cast<Index>(s.V.rows());
   const Eigen::Index faces = s.F.rows();
-  Surface out{Positions<double>(old + faces * 3 / 2, 3), Faces(4 * faces, 3)};
+  MeshData out{Positions<double>(old + faces * 3 / 2, 3), Faces(4 * faces, 3)};
   out.V.topRows(old) = s.V;
   std::unordered_map<std::uint64_t, Index> midpoint;
   midpoint.reserve(static_cast<std::size_t>(faces * 3 / 2));
@@ -53,9 +53,9 @@ Surface subdivided(const Surface& s) {
   return out;
 }
 
-Surface icosahedron() {
+MeshData icosahedron() {
   const double g = (1 + std::sqrt(5.0)) / 2;
-  Surface s{Positions<double>(12, 3), Faces(20, 3)};
+  MeshData s{Positions<double>(12, 3), Faces(20, 3)};
   s.V << -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, 0, 0, -1, g, 0, 1, g, 0, -1, -g, 0, 1, -g, g, 0, -1, g, 0, 1, -g, 0, -1,
       -g, 0, 1;
   s.V.rowwise().normalize();
@@ -113,38 +113,38 @@ void check_torus(int nu, int nv, double R, double r) {
 
 }  // namespace
 
-Surface single_triangle() {
-  Surface s{Positions<double>(3, 3), Faces(1, 3)};
+MeshData single_triangle() {
+  MeshData s{Positions<double>(3, 3), Faces(1, 3)};
   s.V << 0, 0, 0, 1, 0, 0, 0, 1, 0;
   s.F << 0, 1, 2;
   return s;
 }
 
-Surface tetrahedron() {
-  Surface s{Positions<double>(4, 3), Faces(4, 3)};
+MeshData tetrahedron() {
+  MeshData s{Positions<double>(4, 3), Faces(4, 3)};
   s.V << 1, 1, 1, -1, -1, 1, -1, 1, -1, 1, -1, -1;
   s.V /= std::sqrt(3.0);
   s.F << 0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3;
   return s;
 }
 
-Surface cube() {
-  Surface s{Positions<double>(8, 3), Faces(12, 3)};
+MeshData cube() {
+  MeshData s{Positions<double>(8, 3), Faces(12, 3)};
   for (int v = 0; v < 8; ++v) s.V.row(v) << (v & 1 ? 1 : -1), (v & 2 ? 1 : -1), (v & 4 ? 1 : -1);
   s.F << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5;
   return s;
 }
 
-Surface icosphere(int level) {
+MeshData icosphere(int level) {
   require(level >= 0 && level <= 12, "level", std::to_string(level), "must be in [0, 12]");
-  Surface s = icosahedron();
+  MeshData s = icosahedron();
   for (int l = 0; l < level; ++l) s = subdivided(s);
   return s;
 }
 
-Surface jittered_sphere(int level, double amount, std::uint64_t seed) {
+MeshData jittered_sphere(int level, double amount, std::uint64_t seed) {
   require(amount >= 0 && amount <= 1, "amount", std::to_string(amount), "must be in [0, 1]");
-  Surface s = icosphere(level);
+  MeshData s = icosphere(level);
   double mean = 0;
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     for (int c = 0; c < 3; ++c) mean += (s.V.row(s.F(t, c)) - s.V.row(s.F(t, (c + 1) % 3))).norm();
@@ -164,22 +164,22 @@ Surface jittered_sphere(int level, double amount, std::uint64_t seed) {
   return s;
 }
 
-Surface bumpy_sphere(int level, double amplitude, double frequency) {
+MeshData bumpy_sphere(int level, double amplitude, double frequency) {
   require(std::abs(amplitude) < 1, "amplitude", std::to_string(amplitude), "must be in (-1, 1)");
   require(std::isfinite(frequency), "frequency", std::to_string(frequency), "must be finite");
-  Surface s = icosphere(level);
+  MeshData s = icosphere(level);
   for (Eigen::Index v = 0; v < s.V.rows(); ++v) {
     s.V.row(v) *= 1 + amplitude * (frequency * s.V.row(v)).array().sin().sum() / 3;
   }
   return s;
 }
 
-Surface torus(int nu, int nv, double R, double r) {
+MeshData torus(int nu, int nv, double R, double r) {
   check_torus(nu, nv, R, r);
   return {torus_points(nu, nv, R, r), torus_faces(nu, nv, [] { return false; })};
 }
 
-Surface torus_random_diagonals(int nu, int nv, double R, double r, std::uint64_t seed) {
+MeshData torus_random_diagonals(int nu, int nv, double R, double r, std::uint64_t seed) {
   check_torus(nu, nv, R, r);
   detail::Random random(seed);
   return {torus_points(nu, nv, R, r), torus_faces(nu, nv, [&] { return random.bits() >> 63 != 0; })};
@@ -199,13 +199,13 @@ FlatTorus flat_torus(int nu, int nv) {
   return s;
 }
 
-Surface grid(int nx, int ny, double width, double height) {
+MeshData grid(int nx, int ny, double width, double height) {
   at_least(nx, 1, "nx");
   at_least(ny, 1, "ny");
   check_quads(nx + std::int64_t{1}, ny + std::int64_t{1}, "ny");
   positive(width, "width");
   positive(height, "height");
-  Surface s{Positions<double>((nx + Eigen::Index{1}) * (ny + 1), 3), Faces(2 * Eigen::Index{nx} * ny, 3)};
+  MeshData s{Positions<double>((nx + Eigen::Index{1}) * (ny + 1), 3), Faces(2 * Eigen::Index{nx} * ny, 3)};
   const auto number = [&](int i, int j) { return static_cast<Index>(j * (nx + 1) + i); };
   for (int j = 0; j <= ny; ++j) {
     for (int i = 0; i <= nx; ++i) s.V.row(number(i, j)) << width * i / nx, height * j / ny, 0;
@@ -221,11 +221,11 @@ Surface grid(int nx, int ny, double width, double height) {
   return s;
 }
 
-Surface disk(int rings) {
+MeshData disk(int rings) {
   at_least(rings, 1, "rings");
   require(rings <= 8000, "rings", std::to_string(rings), "must be at most 8000");
   const Eigen::Index r = rings;
-  Surface s{Positions<double>(1 + 3 * r * (r + 1), 3), Faces(6 * r * r, 3)};
+  MeshData s{Positions<double>(1 + 3 * r * (r + 1), 3), Faces(6 * r * r, 3)};
   s.V.row(0).setZero();
   const auto number = [](int ring, int k) {  // vertex k of the 6 ring vertices of a ring
     return static_cast<Index>(ring == 0 ? 0 : 1 + 3 * (ring - 1) * ring + k % (6 * ring));
@@ -247,10 +247,10 @@ Surface disk(int rings) {
   return s;
 }
 
-Surface fan(int count) {
+MeshData fan(int count) {
   at_least(count, 3, "count");
   check_quads(1, count, "count");
-  Surface s{Positions<double>(Eigen::Index{count} + 1, 3), Faces(count, 3)};
+  MeshData s{Positions<double>(Eigen::Index{count} + 1, 3), Faces(count, 3)};
   s.V.row(0).setZero();
   for (int k = 0; k < count; ++k) {
     const double angle = 2 * pi<double> * k / count;
@@ -260,13 +260,13 @@ Surface fan(int count) {
   return s;
 }
 
-Surface cylinder(int nu, int nv, double radius, double height) {
+MeshData cylinder(int nu, int nv, double radius, double height) {
   at_least(nu, 3, "nu");
   at_least(nv, 1, "nv");
   check_quads(nu, nv + std::int64_t{1}, "nv");
   positive(radius, "radius");
   positive(height, "height");
-  Surface s{Positions<double>(Eigen::Index{nu} * (nv + 1), 3), Faces(2 * Eigen::Index{nu} * nv, 3)};
+  MeshData s{Positions<double>(Eigen::Index{nu} * (nv + 1), 3), Faces(2 * Eigen::Index{nu} * nv, 3)};
   const auto number = [&](int i, int j) { return static_cast<Index>(j * nu + i % nu); };
   Eigen::Index t = 0;
   for (int j = 0; j <= nv; ++j) {

@@ -17,16 +17,16 @@ namespace {
 
 using Point = Eigen::RowVector3d;
 
-Surface pack(const std::vector<Point>& points, const std::vector<Eigen::RowVector<Index, 3>>& triangles) {
-  Surface s{Positions<double>(static_cast<Eigen::Index>(points.size()), 3),
-            Faces(static_cast<Eigen::Index>(triangles.size()), 3)};
+MeshData pack(const std::vector<Point>& points, const std::vector<Eigen::RowVector<Index, 3>>& triangles) {
+  MeshData s{Positions<double>(static_cast<Eigen::Index>(points.size()), 3),
+             Faces(static_cast<Eigen::Index>(triangles.size()), 3)};
   for (std::size_t v = 0; v < points.size(); ++v) s.V.row(static_cast<Eigen::Index>(v)) = points[v];
   for (std::size_t t = 0; t < triangles.size(); ++t) s.F.row(static_cast<Eigen::Index>(t)) = triangles[t];
   return s;
 }
 
 /// Moves each vertex half-way to the mean of the outer ends of its halfedges, `rounds` times. Closed meshes only.
-void smooth(Surface& s, int rounds) {
+void smooth(MeshData& s, int rounds) {
   Eigen::VectorXd valence = Eigen::VectorXd::Zero(s.V.rows());
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     for (int c = 0; c < 3; ++c) valence[s.F(t, c)] += 1;
@@ -42,7 +42,7 @@ void smooth(Surface& s, int rounds) {
 }
 
 /// Drops vertices no face uses; the others keep their order.
-Surface compacted(const Surface& s, const std::vector<Eigen::RowVector<Index, 3>>& triangles) {
+MeshData compacted(const MeshData& s, const std::vector<Eigen::RowVector<Index, 3>>& triangles) {
   std::vector<Index> number(static_cast<std::size_t>(s.V.rows()), none);
   for (const auto& f : triangles) {
     for (int c = 0; c < 3; ++c) number[static_cast<std::size_t>(f[c])] = 0;
@@ -53,7 +53,7 @@ Surface compacted(const Surface& s, const std::vector<Eigen::RowVector<Index, 3>
     number[v] = static_cast<Index>(points.size());
     points.emplace_back(s.V.row(static_cast<Eigen::Index>(v)));
   }
-  Surface out = pack(points, triangles);
+  MeshData out = pack(points, triangles);
   for (Eigen::Index t = 0; t < out.F.rows(); ++t) {
     for (int c = 0; c < 3; ++c) out.F(t, c) = number[static_cast<std::size_t>(out.F(t, c))];
   }
@@ -74,7 +74,7 @@ double quality(const Positions<double>& V, Index i, Index j, Index k) {
 }
 
 /// Flips a random part of the edges where both new triangles keep a smallest angle above about 11 degrees.
-void flip_some_edges(Surface& s, double part, detail::Random& random) {
+void flip_some_edges(MeshData& s, double part, detail::Random& random) {
   std::unordered_map<std::uint64_t, Index> halfedge;
   halfedge.reserve(static_cast<std::size_t>(3 * s.F.rows()));
   const auto add_face = [&](Index t) {
@@ -100,7 +100,7 @@ void flip_some_edges(Surface& s, double part, detail::Random& random) {
 
 }  // namespace
 
-Surface genus_surface(int genus, int resolution) {
+MeshData genus_surface(int genus, int resolution) {
   if (genus < 0 || genus > 1000) throw OptionError("genus", std::to_string(genus), "must be in [0, 1000]");
   if (resolution < 1 || resolution > 100) {
     throw OptionError("resolution", std::to_string(resolution), "must be in [1, 100]");
@@ -147,12 +147,12 @@ Surface genus_surface(int genus, int resolution) {
       }
     }
   }
-  Surface s = pack(points, triangles);
+  MeshData s = pack(points, triangles);
   smooth(s, 3 * resolution);
   return s;
 }
 
-Surface cad_like(int segments, int steps) {
+MeshData cad_like(int segments, int steps) {
   if (segments < 3) throw OptionError("segments", std::to_string(segments), "must be at least 3");
   if (steps < 1) throw OptionError("steps", std::to_string(steps), "must be at least 1");
   if (std::int64_t{segments} * steps > std::numeric_limits<Index>::max() / 12) {
@@ -191,10 +191,10 @@ Surface cad_like(int segments, int steps) {
   return pack(points, triangles);
 }
 
-Surface noisy_scan(int level, double noise, std::uint64_t seed) {
+MeshData noisy_scan(int level, double noise, std::uint64_t seed) {
   if (level < 3) throw OptionError("level", std::to_string(level), "must be in [3, 12]");
   if (!(noise >= 0 && noise <= 0.5)) throw OptionError("noise", std::to_string(noise), "must be in [0, 0.5]");
-  Surface s = jittered_sphere(level, 0.2, seed);
+  MeshData s = jittered_sphere(level, 0.2, seed);
   detail::Random random(seed ^ 0x5ca15ca15ca15ca1ULL);
 
   // Holes: the stars of the vertices of the unjittered sphere within a small cap around five of the twelve first
@@ -202,7 +202,7 @@ Surface noisy_scan(int level, double noise, std::uint64_t seed) {
   // manifold.
   const double scale = std::pow(0.5, level);
   std::vector<char> gone(static_cast<std::size_t>(s.V.rows()), 0);
-  const Surface regular = icosphere(level);
+  const MeshData regular = icosphere(level);
   for (Eigen::Index hole = 0; hole < 5; ++hole) {
     const double radius = std::max(0.3 * scale, hole == 0 ? 0.12 : 0.02 * static_cast<double>(hole));
     for (Eigen::Index v = 0; v < s.V.rows(); ++v) {

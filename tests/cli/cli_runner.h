@@ -61,7 +61,9 @@ class CliFolder {
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(work() / name, std::ios::binary) << text;
   }
-  void write(const std::string& name, const Surface& surface) const { write_mesh(work() / name, surface.V, surface.F); }
+  void write(const std::string& name, const MeshData& surface) const {
+    write_mesh(work() / name, surface.V, surface.F);
+  }
   [[nodiscard]] static std::string read(const std::filesystem::path& file) {
     std::ostringstream text;
     text << std::ifstream(file, std::ios::binary).rdbuf();
@@ -83,8 +85,8 @@ class CliFolder {
 };
 
 /// Two surfaces side by side as one mesh; nothing is shared.
-inline Surface both(const Surface& a, const Surface& b, double shift) {
-  Surface sum;
+inline MeshData both(const MeshData& a, const MeshData& b, double shift) {
+  MeshData sum;
   sum.V.resize(a.V.rows() + b.V.rows(), 3);
   sum.V << a.V, b.V.rowwise() + Eigen::RowVector3d(shift, 0, 0);
   sum.F.resize(a.F.rows() + b.F.rows(), 3);

@@ -145,8 +145,8 @@ TEST_CASE("--repair orient turns the wrong faces and the field comes out") {
 }
 
 TEST_CASE("a triangle soup works as separate pieces with a warning, and whole after --repair weld") {
-  const Surface whole = icosphere(0);
-  Surface soup;
+  const MeshData whole = icosphere(0);
+  MeshData soup;
   soup.V.resize(3 * whole.F.rows(), 3);
   soup.F.resize(whole.F.rows(), 3);
   for (Index t = 0; t < whole.F.rows(); ++t) {
@@ -175,7 +175,7 @@ TEST_CASE("a triangle soup works as separate pieces with a warning, and whole af
 
 TEST_CASE("unreferenced vertices are reported and do no harm") {
   const CliFolder folder;
-  Surface sphere = icosphere(1);
+  MeshData sphere = icosphere(1);
   folder.write("plain.obj", sphere);
   Positions<double> more(sphere.V.rows() + 3, 3);
   more << sphere.V, Positions<double>::Constant(3, 3, 100.0);

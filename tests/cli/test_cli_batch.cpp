@@ -31,7 +31,7 @@ TEST_CASE("every mesh has its line, in order; one that cannot be read or used is
   const CliFolder folder;
   folder.write("a.ply", icosphere(2));
   folder.write("b.obj", torus(12, 8, 1, 0.4));
-  Surface broken = icosphere(1);
+  MeshData broken = icosphere(1);
   broken.F(3, 0) = broken.F(3, 1);
   folder.write("broken.off", broken);
   write_list(folder, "# meshes\na.ply\nmissing.ply\n\nbroken.off\nb.obj\n");

@@ -85,7 +85,7 @@ TEST_CASE("every example design runs on a generated sphere and has what it asks 
     CHECK(std::abs(std::remainder(angle - 60, 360.0 / p.symmetry)) < 1);
   }
   // Singularities of the trivial connection lie at the cones.
-  const Surface ball = icosphere(4);
+  const MeshData ball = icosphere(4);
   for (const Json& s : reports["cones_icosphere"]["singularities"]["list"]) {
     bool at_cone = false;
     for (const Json& c : reports["cones_icosphere"]["controls"])

@@ -19,7 +19,7 @@ namespace {
 
 struct Good {
   const char* name;
-  Surface surface;
+  MeshData surface;
   int euler, loops, genus;
 };
 
@@ -101,11 +101,11 @@ TEST_CASE("the sphere's eigenvalue and deviations are the reference numbers") {
 
 TEST_CASE("coordinates scaled by a millionth and a million give the same field") {
   const CliFolder folder;
-  const Surface scan = noisy_scan(4, 0.1, 3);
+  const MeshData scan = noisy_scan(4, 0.1, 3);
   std::vector<Json> reports;
   std::vector<FieldFile> fields;
   for (const double scale : {1.0, 1e-6, 1e6}) {
-    folder.write("m.obj", Surface{scan.V * scale, scan.F});
+    folder.write("m.obj", MeshData{scan.V * scale, scan.F});
     const CliResult result = folder.run("field m.obj -n 4 -o f.ply --json");
     REQUIRE(result.exit == 0);
     reports.push_back(result.json());
@@ -119,8 +119,8 @@ TEST_CASE("coordinates scaled by a millionth and a million give the same field")
 
 TEST_CASE("components of very different size are each solved and reported as if alone") {
   const CliFolder folder;
-  const Surface big = noisy_scan(4, 0.1, 5);
-  Surface tiny = torus(10, 6, 1.0, 0.4);
+  const MeshData big = noisy_scan(4, 0.1, 5);
+  MeshData tiny = torus(10, 6, 1.0, 0.4);
   tiny.V *= 1e-4;
   folder.write("big.obj", big);
   folder.write("tiny.obj", tiny);
@@ -160,7 +160,7 @@ TEST_CASE("every connection gives a certified field; detail changes the deviatio
 
 TEST_CASE("with prescribed cones the singularities lie at them and nowhere else") {
   const CliFolder folder;
-  const Surface sphere = icosphere(3);
+  const MeshData sphere = icosphere(3);
   folder.write("s.obj", sphere);
   const std::map<int, int> cones{{0, 4}, {100, 2}, {200, 1}, {300, 1}};  // quarters; sum 8 = 4 chi
   std::string flags;

@@ -24,7 +24,7 @@ double sum_of(const std::vector<Cone>& cones) {
 
 TEST_CASE(
     "balanced cones sum to chi on genus 0 to 3, keep those given, and make a connection whose field has only them") {
-  for (const Surface& surface :
+  for (const MeshData& surface :
        {bumpy_sphere(3, 0.3, 3), torus(30, 16, 1, 0.4), genus_surface(2, 3), genus_surface(3, 2)}) {
     const Mesh mesh(surface.F, surface.V.rows());
     const Geometry geometry(mesh, surface.V);
@@ -50,7 +50,7 @@ TEST_CASE(
 
 TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a cigar") {
   // A cube, refined: every corner has curvature pi/2 and takes one cone of 1/4.
-  Surface box = icosphere(4);
+  MeshData box = icosphere(4);
   for (Eigen::Index v = 0; v < box.V.rows(); ++v)
     box.V.row(v) /= std::pow(box.V.row(v).array().pow(16).sum(), 1.0 / 16);
   const Mesh mesh(box.F, box.V.rows());
@@ -59,7 +59,7 @@ TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a 
   CHECK(corners.size() == 8);
   for (const Cone& cone : corners) CHECK(box.V.row(cone.vertex).cwiseAbs().minCoeff() > 0.6);
 
-  Surface cigar = icosphere(3);
+  MeshData cigar = icosphere(3);
   cigar.V.col(2) *= 6;
   const Mesh other(cigar.F, cigar.V.rows());
   const std::vector<Cone> ends = balance_cones(other, Geometry(other, cigar.V), {}, {.n = 1});
@@ -69,7 +69,7 @@ TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a 
 }
 
 TEST_CASE("what is balanced stays, pieces are balanced on their own, boundaries need nothing, too much is taken back") {
-  const Surface two = test::together(icosphere(2), torus(20, 10, 1, 0.4));
+  const MeshData two = test::together(icosphere(2), torus(20, 10, 1, 0.4));
   const Mesh mesh(two.F, two.V.rows());
   const Geometry geometry(mesh, two.V);
   CHECK(balance_cones(mesh, geometry, {{0, 1}, {40, 1}}, {.n = 1}).size() == 2);
@@ -79,7 +79,7 @@ TEST_CASE("what is balanced stays, pieces are balanced on their own, boundaries 
   CHECK(sphere == doctest::Approx(2));
   CHECK(ring == doctest::Approx(0));
 
-  const Surface open = disk(5);
+  const MeshData open = disk(5);
   const Mesh rim(open.F, open.V.rows());
   CHECK(balance_cones(rim, Geometry(rim, open.V), {}, {.n = 4}).empty());
   CHECK_THROWS_AS((void)balance_cones(mesh, geometry, {{0, 0.3}}, {.n = 2}), OptionError);

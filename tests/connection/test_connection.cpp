@@ -16,7 +16,7 @@ namespace {
 struct Case {
   Mesh mesh;
   Geometry geometry;
-  explicit Case(const Surface& s) : mesh(s.F, s.V.rows()), geometry(mesh, s.V) {}
+  explicit Case(const MeshData& s) : mesh(s.F, s.V.rows()), geometry(mesh, s.V) {}
 };
 
 double total_curvature(const Connection& c) { return std::accumulate(c.K.begin(), c.K.end(), 0.0); }
@@ -79,8 +79,8 @@ TEST_CASE("reference numbers on the torus") {
 }
 
 TEST_CASE("every construction satisfies the definitions and Gauss-Bonnet") {
-  for (const Surface& surface : {icosphere(2), jittered_sphere(3, 0.2, 7), torus_random_diagonals(20, 12, 1, 0.4, 3),
-                                 genus_surface(2, 2), genus_surface(3, 1), cad_like(24, 3)}) {
+  for (const MeshData& surface : {icosphere(2), jittered_sphere(3, 0.2, 7), torus_random_diagonals(20, 12, 1, 0.4, 3),
+                                  genus_surface(2, 2), genus_surface(3, 1), cad_like(24, 3)}) {
     const Case s(surface);
     const double expected = 2 * pi<double> * find_topology(s.mesh).euler();
     for (const auto& c : {polar(s.mesh, s.geometry), polar(s.mesh, s.geometry, {.center = PolarCenter::barycenter}),
@@ -92,7 +92,7 @@ TEST_CASE("every construction satisfies the definitions and Gauss-Bonnet") {
 }
 
 TEST_CASE("with boundary the curvature is 2 pi chi less the turning of the boundary") {
-  for (const Surface& surface : {cylinder(16, 8), disk(6), grid(5, 4), noisy_scan(3, 0.1, 5), single_triangle()}) {
+  for (const MeshData& surface : {cylinder(16, 8), disk(6), grid(5, 4), noisy_scan(3, 0.1, 5), single_triangle()}) {
     const Case s(surface);
     double expected = 2 * pi<double> * find_topology(s.mesh).euler();
     for (Index v = 0; v < s.mesh.vertices(); ++v)
@@ -195,7 +195,7 @@ TEST_CASE("the start does not matter: the optimum from the polar and from the lo
 }
 
 TEST_CASE("faces around a vertex keep their direction on average, however edges are numbered") {
-  for (const Surface& surface : {jittered_sphere(3, 0.2, 4), noisy_scan(3, 0.1, 2), disk(8)}) {
+  for (const MeshData& surface : {jittered_sphere(3, 0.2, 4), noisy_scan(3, 0.1, 2), disk(8)}) {
     const Case s(surface);
     const auto start = polar(s.mesh, s.geometry);
     const auto c = globally_optimal(s.mesh, s.geometry, {.tolerance = 1e-12});
@@ -214,7 +214,7 @@ TEST_CASE("faces around a vertex keep their direction on average, however edges 
 }
 
 TEST_CASE("the deviations reported by the optimisation are those of its result") {
-  for (const Surface& surface : {jittered_sphere(3, 0.2, 6), noisy_scan(3, 0.1, 5), cylinder(16, 8)}) {
+  for (const MeshData& surface : {jittered_sphere(3, 0.2, 6), noisy_scan(3, 0.1, 5), cylinder(16, 8)}) {
     const Case s(surface);
     const auto c = globally_optimal(s.mesh, s.geometry);
     auto again = c;
@@ -238,11 +238,11 @@ TEST_CASE("detail trades D_T against D_E monotonically") {
 }
 
 TEST_CASE("scaling a mesh changes nothing, except for the metric length factor") {
-  Surface surface = jittered_sphere(3, 0.2, 11);
+  MeshData surface = jittered_sphere(3, 0.2, 11);
   const Case reference(surface);
   const auto c = globally_optimal(reference.mesh, reference.geometry);
   for (const double scale : {1e-6, 1e6}) {
-    Surface scaled = surface;
+    MeshData scaled = surface;
     scaled.V *= scale;
     const Case s(scaled);
     const auto d = globally_optimal(s.mesh, s.geometry);
@@ -257,9 +257,9 @@ TEST_CASE("scaling a mesh changes nothing, except for the metric length factor")
 }
 
 TEST_CASE("pieces do not feel each other") {
-  const Surface a = jittered_sphere(2, 0.2, 1);
-  Surface b = torus(12, 8, 100, 30);
-  Surface both;
+  const MeshData a = jittered_sphere(2, 0.2, 1);
+  MeshData b = torus(12, 8, 100, 30);
+  MeshData both;
   both.V.resize(a.V.rows() + b.V.rows(), 3);
   both.V << a.V, b.V;
   both.F.resize(a.F.rows() + b.F.rows(), 3);
@@ -273,14 +273,14 @@ TEST_CASE("pieces do not feel each other") {
 }
 
 TEST_CASE("relabelling vertices, turning faces' corners and shuffling faces relabels the curvature only") {
-  const Surface surface = torus_random_diagonals(16, 10, 1, 0.4, 9);
+  const MeshData surface = torus_random_diagonals(16, 10, 1, 0.4, 9);
   const Case s(surface);
   const auto c = globally_optimal(s.mesh, s.geometry, {.tolerance = 1e-12});
   // vertex v -> (a v + b) mod #V, face t -> reversed order, corners turned by t mod 3
   const Index n = s.mesh.vertices();
   const auto rename = [n](Index v) { return static_cast<Index>((std::int64_t{v} * 37 + 11) % n); };
   REQUIRE(n % 37 != 0);
-  Surface other{Positions<double>(n, 3), Faces(surface.F.rows(), 3)};
+  MeshData other{Positions<double>(n, 3), Faces(surface.F.rows(), 3)};
   for (Index v = 0; v < n; ++v) other.V.row(rename(v)) = surface.V.row(v);
   const Index faces = s.mesh.faces();
   for (Index t = 0; t < faces; ++t)
@@ -307,7 +307,7 @@ TEST_CASE("thread count changes no bit") {
 
 TEST_CASE("slivers of relative area 1e-8 work") {
   // A square whose diagonal is doubled by a vertex 1e-8 off it: two slivers.
-  Surface s{Positions<double>(5, 3), Faces(4, 3)};
+  MeshData s{Positions<double>(5, 3), Faces(4, 3)};
   s.V << 0, 0, 0, 1, 0, 0, 1, 1, 0.3, 0, 1, 0, 0.5 + 1e-8, 0.5 - 1e-8, 0.15;
   s.F << 0, 1, 4, 1, 2, 4, 0, 4, 2, 0, 2, 3;
   const Case c(s);

@@ -138,15 +138,15 @@ TEST_CASE("a relaxed pair has the edge between at the optimum too") {
 }
 
 TEST_CASE("pairs: every face is in one or alone, and the other edges are the outer ones") {
-  const Surface surfaces[] = {jittered_sphere(4, 0.2, 1),
-                              noisy_scan(4, 0.1, 1),
-                              disk(12),
-                              cad_like(16, 8),
-                              icosphere(3),
-                              torus_random_diagonals(40, 16, 1, 0.4, 3),
-                              tetrahedron(),
-                              single_triangle()};
-  for (const Surface& surface : surfaces) {
+  const MeshData surfaces[] = {jittered_sphere(4, 0.2, 1),
+                               noisy_scan(4, 0.1, 1),
+                               disk(12),
+                               cad_like(16, 8),
+                               icosphere(3),
+                               torus_random_diagonals(40, 16, 1, 0.4, 3),
+                               tetrahedron(),
+                               single_triangle()};
+  for (const MeshData& surface : surfaces) {
     const Mesh mesh(surface.F, surface.V.rows());
     const Geometry geometry(mesh, surface.V);
     detail::FacePairs one;
@@ -176,7 +176,7 @@ TEST_CASE("pairs: every face is in one or alone, and the other edges are the out
 }
 
 TEST_CASE("all instruction sets give the same bits") {
-  const Surface surface = noisy_scan(3, 0.1, 1);
+  const MeshData surface = noisy_scan(3, 0.1, 1);
   const Mesh mesh(surface.F, surface.V.rows());
   const Geometry geometry(mesh, surface.V);
   const detail::FacePairs faces = detail::pair_faces(mesh, geometry);

@@ -25,7 +25,7 @@ namespace {
 using Point = Eigen::RowVector3d;
 
 struct Scene {
-  explicit Scene(Surface s)
+  explicit Scene(MeshData s)
       : V(std::move(s.V)),
         mesh(s.F, V.rows()),
         geometry(mesh, V),
@@ -285,7 +285,7 @@ TEST_CASE("Back from the end a curve returns to its start") {
 
 TEST_CASE("Segments run along a branch of the field that FaceField evaluates") {
   for (const int n : {1, 2, 4, 5}) {
-    const Surface surface = torus(24, 12, 1, 0.4);
+    const MeshData surface = torus(24, 12, 1, 0.4);
     const FieldRun run = run_field(surface.V, surface.F, {.n = n});
     const Scene s(surface);
     const CurveSet c = streamlines(run.mesh, s.V, run.geometry, run.connection, run.field, {.spacing = 0.05});
@@ -342,7 +342,7 @@ Spread spread(const Scene& s, const CurveSet& c, double spacing) {
 
 TEST_CASE("Evenly spaced curves keep their distance and leave no gaps") {
   for (const int n : {1, 2, 4}) {
-    const Surface surface = bumpy_sphere(3, 0.2, 3);
+    const MeshData surface = bumpy_sphere(3, 0.2, 3);
     const FieldRun run = run_field(surface.V, surface.F, {.n = n});
     const Scene s(surface);
     const double diagonal = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm();
@@ -416,9 +416,9 @@ TEST_CASE("Separatrices are the straight branches of known singularities") {
 TEST_CASE("Curves end, finite and on the surface, on slivers, at vertices and for wild fields") {
   struct Named {
     std::string name;
-    Surface surface;
+    MeshData surface;
   };
-  Surface needle = grid(40, 3, 1, 1e-3);
+  MeshData needle = grid(40, 3, 1, 1e-3);
   std::vector<Named> meshes;
   meshes.push_back({"tetrahedron", tetrahedron()});
   meshes.push_back({"cube", cube()});
@@ -448,7 +448,7 @@ TEST_CASE("Curves end, finite and on the surface, on slivers, at vertices and fo
 }
 
 TEST_CASE("Smooth fields on slivers do not get stuck") {
-  for (const Surface& surface : {cad_like(64, 3), noisy_scan(3, 0.3, 7), torus_random_diagonals(20, 12, 1, 0.4, 3)}) {
+  for (const MeshData& surface : {cad_like(64, 3), noisy_scan(3, 0.3, 7), torus_random_diagonals(20, 12, 1, 0.4, 3)}) {
     for (const int n : {1, 2, 4}) {
       const FieldRun run = run_field(surface.V, surface.F, {.n = n});
       const Scene s(surface);
@@ -480,7 +480,7 @@ TEST_CASE("A field that vanishes, on a face or everywhere, has curves of one poi
 }
 
 TEST_CASE("Curves do not depend on the number of threads") {
-  const Surface surface = bumpy_sphere(4, 0.2, 3);
+  const MeshData surface = bumpy_sphere(4, 0.2, 3);
   const FieldRun run = run_field(surface.V, surface.F, {.n = 4});
   const auto all = [&] {
     CurveSet c = streamlines(run.mesh, surface.V, run.geometry, run.connection, run.field, {.spacing = 0.02});
@@ -500,7 +500,7 @@ TEST_CASE("Curves do not depend on the number of threads") {
 }
 
 TEST_CASE("Curves scale with the mesh") {
-  Surface surface = bumpy_sphere(3, 0.2, 3);
+  MeshData surface = bumpy_sphere(3, 0.2, 3);
   const auto curves = [&](double scale) {
     const Positions<double> V = scale * surface.V;
     const FieldRun run = run_field(V, surface.F, {.n = 2});

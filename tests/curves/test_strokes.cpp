@@ -109,7 +109,7 @@ SurfacePoint special_point(const Mesh& mesh, detail::Random& random) {
 
 TEST_CASE(
     "between any two points of spheres, tori and disks: connected, in neighbouring faces, and the same backwards") {
-  for (const Surface& surface :
+  for (const MeshData& surface :
        {icosphere(2), jittered_sphere(3, 0.2, 4), disk(9), grid(8, 8), bumpy_sphere(3, 0.1, 3)}) {
     const Case s(surface);
     detail::Random random(7);
@@ -132,7 +132,7 @@ TEST_CASE(
 }
 
 TEST_CASE("short strokes on tori and on a surface of genus 2, through several points") {
-  for (const Surface& surface :
+  for (const MeshData& surface :
        {torus(40, 20, 1, 0.4), torus_random_diagonals(30, 15, 1, 0.4, 2), genus_surface(2, 4)}) {
     const Case s(surface);
     detail::Random random(9);
@@ -194,7 +194,7 @@ TEST_CASE("lengths: a great circle, a circle around a torus, a straight line acr
 
 TEST_CASE("straight through vertices and along edges of a grid, inside and on the boundary, turned by any angle") {
   for (const double turn : {0.0, 0.3, 1.0, 2.2}) {
-    Surface surface = grid(6, 6);
+    MeshData surface = grid(6, 6);
     const Eigen::AngleAxisd rotation(turn, Eigen::Vector3d(1, 2, 3).normalized());
     surface.V = surface.V * rotation.toRotationMatrix().transpose();
     surface.V.rowwise() += Row(10, -20, 5);
@@ -300,7 +300,7 @@ TEST_CASE("strokes that cannot be are refused with a reason") {
   CHECK_THROWS_AS((void)s.drawn(Positions<double>::Constant(2, 3, 0.5)), OptionError);
 
   // Across a hole: a flat ring.
-  Surface ring = cylinder(24, 3);
+  MeshData ring = cylinder(24, 3);
   for (Eigen::Index v = 0; v < ring.V.rows(); ++v) {
     const double r = 1 + 0.3 * (ring.V(v, 2) + 1);
     ring.V.row(v) = Row(r * ring.V(v, 0), r * ring.V(v, 1), 0);

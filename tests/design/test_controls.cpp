@@ -82,7 +82,7 @@ TEST_CASE("a fixed direction leaves the length free: the best of all lengths, by
 }
 
 TEST_CASE("fields align with the boundary, along and across, for every n") {
-  for (const Surface& surface : {disk(12), cylinder(24, 12), noisy_scan(3, 0.05, 4)}) {
+  for (const MeshData& surface : {disk(12), cylinder(24, 12), noisy_scan(3, 0.05, 4)}) {
     const Case s(surface);
     for (int n = 1; n <= 6; ++n) {
       auto designer = s.designer({.n = n, .guidance_weight = 1e-3});
@@ -134,7 +134,7 @@ TEST_CASE("a footprint draws a band along, weighs as much as the line, and narro
     }
     CHECK(worst < 0.35);
     // The same surface ten times as large, with a radius ten times as large: the same field.
-    Surface large = s.surface;
+    MeshData large = s.surface;
     large.V *= 10;
     const Case l(large);
     SurfacePolyline scaled = line;
@@ -181,7 +181,7 @@ TEST_CASE(
   CHECK_THROWS_AS((void)s.designer({.n = 1, .guidance_weight = 1, .t = 0.0}), OptionError);
 
   // A vertex that no face uses changes nothing, and its value is zero.
-  Surface more = s.surface;
+  MeshData more = s.surface;
   more.V.conservativeResize(more.V.rows() + 1, 3);
   more.V.bottomRows(1).setConstant(9);
   const Case with_more(more);

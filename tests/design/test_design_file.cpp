@@ -83,7 +83,7 @@ std::string without(const std::string& object, const std::string& key) {
 }
 
 struct Ball {
-  Surface surface = icosphere(3);
+  MeshData surface = icosphere(3);
   Mesh mesh{surface.F, surface.V.rows()};
   Geometry geometry{mesh, surface.V};
   Connection connection = polar(mesh, geometry);

@@ -39,7 +39,7 @@ Stroke walk(const Mesh& mesh, Index face, int steps, double weight) {
 }  // namespace
 
 TEST_CASE("one target, any orientation, n = 1 to 6: index and orientation in the asked face") {
-  for (const Surface& surface : {jittered_sphere(3, 0.2, 5), torus(30, 16, 1, 0.4), genus_surface(2, 3), disk(10)}) {
+  for (const MeshData& surface : {jittered_sphere(3, 0.2, 5), torus(30, 16, 1, 0.4), genus_surface(2, 3), disk(10)}) {
     const Case s(surface);
     detail::Random random(3);
     for (int n = 1; n <= 6; ++n) {
@@ -147,7 +147,7 @@ TEST_CASE("strokes as an update and inside the matrix give the same field, and a
 
 TEST_CASE("strength 1 holds against a unit guidance field, in millimetres and in kilometres") {
   for (const double scale : {1e-3, 1e3}) {
-    Surface surface = jittered_sphere(3, 0.15, 5);
+    MeshData surface = jittered_sphere(3, 0.15, 5);
     surface.V *= scale;
     const Case s(surface);
     for (const int n : {1, 4}) {

@@ -80,7 +80,7 @@ TEST_CASE("without strokes all paths give the smoothest field, on any connection
 }
 
 TEST_CASE("the real matrix and the update of the complex one agree to 1e-8 with strokes") {
-  for (const Surface& surface : {jittered_sphere(3, 0.2, 4), bumpy_sphere(3, 0.2, 3)}) {
+  for (const MeshData& surface : {jittered_sphere(3, 0.2, 4), bumpy_sphere(3, 0.2, 3)}) {
     const Case s(surface);
     const std::vector<EigenStroke> strokes{{s.stroke(great_circle, 12), 0.5}, {s.stroke(small_circle, 30), 2}};
     for (const int n : {1, 2, 4}) {
@@ -229,7 +229,7 @@ TEST_CASE("the gauge and the unit of length do not matter") {
     for (Index v = 0; v < s.mesh.vertices(); ++v) back[v] *= std::polar(1.0, -n * angle[v]);
     CHECK((back - a.field.u).norm() < 1e-5 * a.field.u.norm());
 
-    Surface larger = s.surface;
+    MeshData larger = s.surface;
     larger.V *= 1000;
     const Case big(larger);
     const auto d = big.design({{big.stroke(small_circle, 25, 1000), 1}}, {.n = n});
@@ -275,7 +275,7 @@ TEST_CASE("bad options and strokes are refused by name") {
 }
 
 TEST_CASE("singularities as terms of the mass: index and orientation in the asked faces, several at once") {
-  for (const Surface& surface : {bumpy_sphere(3, 0.1, 2.3), torus(30, 16, 1, 0.4), genus_surface(2, 3)}) {
+  for (const MeshData& surface : {bumpy_sphere(3, 0.1, 2.3), torus(30, 16, 1, 0.4), genus_surface(2, 3)}) {
     const Case s(surface);
     for (const int n : {1, 2, 4}) {
       const Index step = s.mesh.faces() / 5;

@@ -20,7 +20,7 @@ struct Case {
   Geometry geometry;
   Connection connection;
   HermitianPattern pattern;
-  explicit Case(const Surface& s)
+  explicit Case(const MeshData& s)
       : mesh(s.F, s.V.rows()), geometry(mesh, s.V), connection(globally_optimal(mesh, geometry)), pattern(mesh) {}
 };
 
@@ -62,7 +62,7 @@ Integrals quadrature(const Case& s, int n, const ComplexVectorX<double>& u) {
 }  // namespace
 
 TEST_CASE("S, M and the curvature and boundary term are the integrals they stand for, closed and open, n = 1 to 6") {
-  for (const Surface& surface : {jittered_sphere(1, 0.2, 3), cylinder(8, 3), noisy_scan(3, 0.1, 2)}) {
+  for (const MeshData& surface : {jittered_sphere(1, 0.2, 3), cylinder(8, 3), noisy_scan(3, 0.1, 2)}) {
     const Case s(surface);
     for (int n = 1; n <= 6; n += surface.F.rows() > 500 ? 3 : 1) {
       const auto u = random_field(s.mesh.vertices(), static_cast<std::uint64_t>(n));
@@ -82,7 +82,7 @@ TEST_CASE("S, M and the curvature and boundary term are the integrals they stand
 }
 
 TEST_CASE("S and M are Hermitian and positive (semi)definite on slivers, and so is every member of the energy family") {
-  for (const Surface& surface : {cad_like(12, 2), disk(3), tetrahedron(), single_triangle()}) {
+  for (const MeshData& surface : {cad_like(12, 2), disk(3), tetrahedron(), single_triangle()}) {
     const Case s(surface);
     for (const int n : {1, 4, 30}) {
       auto [S, M] = stiffness_and_mass(s.mesh, s.pattern, s.geometry, s.connection, n);
@@ -155,7 +155,7 @@ TEST_CASE("turning the vertex frames conjugates the matrices") {
 }
 
 TEST_CASE("S does not change with scale and M changes with area") {
-  Surface surface = jittered_sphere(2, 0.2, 8);
+  MeshData surface = jittered_sphere(2, 0.2, 8);
   const Case s(surface);
   surface.V *= 1e-6;
   const Geometry small(s.mesh, surface.V);
@@ -167,7 +167,7 @@ TEST_CASE("S does not change with scale and M changes with area") {
 }
 
 TEST_CASE("thread count changes no bit") {
-  const Surface surface = jittered_sphere(4, 0.2, 5);
+  const MeshData surface = jittered_sphere(4, 0.2, 5);
   const Case s(surface);
   StiffnessMass a, b;
   run_with_threads(1, [&] { a = stiffness_and_mass(s.mesh, HermitianPattern(s.mesh), s.geometry, s.connection, 4); });
@@ -179,7 +179,7 @@ TEST_CASE("thread count changes no bit") {
 }
 
 TEST_CASE("unreferenced vertices have empty rows and a pattern of another mesh is refused") {
-  Surface s = icosphere(1);
+  MeshData s = icosphere(1);
   s.V.conservativeResize(s.V.rows() + 2, 3);
   s.V.bottomRows(2).setZero();
   const Case c(s);

@@ -112,7 +112,7 @@ TEST_CASE("point evaluation: hat values at corners, derivatives equal finite dif
 
 TEST_CASE("Stokes: edge-based divergence and curl of any patch are the flux and circulation of its boundary") {
   detail::Random random(4);
-  for (const Surface& surface : {jittered_sphere(3, 0.2, 6), torus(20, 10, 1, 0.4), genus_surface(2, 2), disk(8)}) {
+  for (const MeshData& surface : {jittered_sphere(3, 0.2, 6), torus(20, 10, 1, 0.4), genus_surface(2, 2), disk(8)}) {
     const Case c(surface);
     const auto connection = globally_optimal(c.mesh, c.geometry);
     const Vec u = random_field(c.mesh, random);
@@ -172,7 +172,7 @@ TEST_CASE("turning the vertex frames changes no face value") {
 TEST_CASE("P is an (n-1)-vector and Q an (n+1)-vector of the face frame: another first corner turns them so") {
   detail::Random random(6);
   const Case c(jittered_sphere(2, 0.2, 8));
-  Surface other = c.surface;
+  MeshData other = c.surface;
   for (Index t = 0; t < c.mesh.faces(); ++t)
     for (int k = 0; k < 3; ++k) other.F(t, k) = c.surface.F(t, (k + t) % 3);
   const Case d(other);

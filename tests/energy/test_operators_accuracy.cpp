@@ -14,7 +14,7 @@ TEST_CASE("lengths times s give P times s, energies are scale-free") {
   detail::Random random(7);
   const Case c(jittered_sphere(2, 0.2, 9));
   for (const double s : {1e-6, 3.7, 1e6}) {
-    const Case d(Surface{s * c.surface.V, c.surface.F});
+    const Case d(MeshData{s * c.surface.V, c.surface.F});
     const Vec u = random_field(c.mesh, random);
     for (const auto kind : {OperatorKind::edge, OperatorKind::triangle}) {
       const auto a = first_order_operators(c.mesh, c.geometry, locally_optimal(c.mesh, c.geometry), {2, kind});
@@ -31,7 +31,7 @@ TEST_CASE("lengths times s give P times s, energies are scale-free") {
 TEST_CASE(
     "linear fields on flat pieces: divergence, curl and the reflected pair are exact, any n, up to the boundary") {
   detail::Random random(8);
-  for (const Surface& surface : {grid(7, 5, 2, 1), disk(5)}) {
+  for (const MeshData& surface : {grid(7, 5, 2, 1), disk(5)}) {
     const Case c(surface);
     for (const auto& connection :
          {polar(c.mesh, c.geometry), locally_optimal(c.mesh, c.geometry), globally_optimal(c.mesh, c.geometry)}) {
@@ -97,7 +97,7 @@ TEST_CASE("the rotation field of the sphere: no divergence, curl 2 w.n, and erro
 TEST_CASE("E_A - E_H of unit fields is 2 pi chi with the edge-based operators") {
   detail::Random random(9);
   struct Expected {
-    Surface surface;
+    MeshData surface;
     double chi, tolerance;
   };
   for (const auto& [surface, chi, tolerance] : {Expected{icosphere(2), 2, 1e-3},

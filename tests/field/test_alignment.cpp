@@ -33,7 +33,7 @@ struct Case : test::FramedCase {
 
 TEST_CASE("on a torus the directions are those of its circles, and the length half the difference of curvatures") {
   const double R = 1, r = 0.4;
-  for (const Surface& surface : {torus(80, 40, R, r), torus_random_diagonals(80, 40, R, r, 3)}) {
+  for (const MeshData& surface : {torus(80, 40, R, r), torus_random_diagonals(80, 40, R, r, 3)}) {
     const Case s(surface);
     for (const int n : {2, 4, 6})
       for (const bool smallest : {false, true}) {
@@ -71,9 +71,9 @@ TEST_CASE("an open cylinder bends around, never along; spheres and planes know n
 }
 
 TEST_CASE("the field turns with the surface, scales with curvature, and does not depend on the frames' gauge") {
-  const Surface bumpy = bumpy_sphere(3, 0.3, 3);
+  const MeshData bumpy = bumpy_sphere(3, 0.3, 3);
   const Case s(bumpy);
-  Surface turned = bumpy;
+  MeshData turned = bumpy;
   const Eigen::Matrix3d Q = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   turned.V = 3 * bumpy.V * Q.transpose();
   const Case t(turned);

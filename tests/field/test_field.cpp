@@ -80,9 +80,9 @@ TEST_CASE("flat torus: lambda = 0 and a parallel field") {
 }
 
 TEST_CASE("Poincare-Hopf: indices sum to n chi on closed surfaces and to the boundary's count on open ones") {
-  for (const Surface& surface : {icosphere(2), jittered_sphere(3, 0.2, 6), torus_random_diagonals(20, 12, 1, 0.4, 5),
-                                 genus_surface(2, 2), genus_surface(3, 2), cylinder(16, 8), disk(6),
-                                 noisy_scan(3, 0.1, 3), cad_like(24, 2), tetrahedron(), cube(), single_triangle()}) {
+  for (const MeshData& surface : {icosphere(2), jittered_sphere(3, 0.2, 6), torus_random_diagonals(20, 12, 1, 0.4, 5),
+                                  genus_surface(2, 2), genus_surface(3, 2), cylinder(16, 8), disk(6),
+                                  noisy_scan(3, 0.1, 3), cad_like(24, 2), tetrahedron(), cube(), single_triangle()}) {
     const Case s(surface);
     for (const int n : {1, 2, 3, 4, 6}) {
       const auto result = s.smoothest(n);
@@ -114,7 +114,7 @@ TEST_CASE("a disk's boundary count by hand: the constant field turns -n times ag
 }
 
 TEST_CASE("zeros and orientations of known fields in the plane") {
-  Surface flat = grid(9, 9, 2, 2);
+  MeshData flat = grid(9, 9, 2, 2);
   flat.V.rowwise() -= Eigen::RowVector3d(1, 1, 0);
   const Case s(flat);
   const Eigen::RowVector3d zero(0.04, 0.09, 0);
@@ -151,13 +151,13 @@ TEST_CASE("zeros and orientations of known fields in the plane") {
 }
 
 TEST_CASE("the smoothest field turns with the mesh and does not see its scale") {
-  const Surface surface = bumpy_sphere(3, 0.3, 3);
+  const MeshData surface = bumpy_sphere(3, 0.3, 3);
   const Case s(surface);
   const auto a = s.smoothest(4);
   REQUIRE(a.components[0].next > 1.0001 * a.components[0].lambda);  // else the field is not unique
   const Eigen::Matrix3d rotation = Eigen::AngleAxisd(1.1, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   for (const double scale : {1e-6, 1.0, 1e6}) {
-    Surface moved = surface;
+    MeshData moved = surface;
     moved.V = scale * surface.V * rotation.transpose();
     const Case m(moved);
     auto b = m.smoothest(4);
@@ -184,7 +184,7 @@ TEST_CASE("the energy family: E_s of its own smoothest field is least for its ow
 }
 
 TEST_CASE("a bumpy sphere has fewer singularities at detail 0.1 than at 10") {
-  const Surface surface = bumpy_sphere(5, 0.15, 14);
+  const MeshData surface = bumpy_sphere(5, 0.15, 14);
   const Mesh mesh(surface.F, surface.V.rows());
   const Geometry geometry(mesh, surface.V);
   std::size_t count[2];
@@ -197,8 +197,8 @@ TEST_CASE("a bumpy sphere has fewer singularities at detail 0.1 than at 10") {
 }
 
 TEST_CASE("pieces are solved each on its own, unreferenced vertices stay zero") {
-  const Surface a = bumpy_sphere(2, 0.3, 3), b = cylinder(8, 4);
-  Surface both{Positions<double>(a.V.rows() + b.V.rows() + 1, 3), Faces(a.F.rows() + b.F.rows(), 3)};
+  const MeshData a = bumpy_sphere(2, 0.3, 3), b = cylinder(8, 4);
+  MeshData both{Positions<double>(a.V.rows() + b.V.rows() + 1, 3), Faces(a.F.rows() + b.F.rows(), 3)};
   both.V << a.V, Eigen::RowVector3d(7, 7, 7), b.V * 1000.0;
   both.F << a.F, (b.F.array() + static_cast<Index>(a.V.rows()) + 1).matrix();
   const Case s(both), first(a);
@@ -239,7 +239,7 @@ TEST_CASE("frames make edge directions fit: on a sphere to second order of the e
 }
 
 TEST_CASE("thread count changes no bit of the field through a serial backend, nothing beyond 1e-10 through BLAS") {
-  const Surface surface = bumpy_sphere(4, 0.3, 3);
+  const MeshData surface = bumpy_sphere(4, 0.3, 3);
   const auto field = [&](int threads, const char* solver) {
     ComplexVectorX<double> u;
     run_with_threads(threads, [&] {

@@ -48,7 +48,7 @@ inline std::string contents(const fs::path& path) {
 
 // A surface with everything that a FieldOutput refers to.
 struct Case {
-  Surface surface;
+  MeshData surface;
   Mesh mesh;
   Geometry geometry;
   Connection connection;
@@ -57,7 +57,7 @@ struct Case {
   std::vector<double> extra;
   std::vector<FaceScalars> scalars;
 
-  Case(Surface s, int n) : surface(std::move(s)) {
+  Case(MeshData s, int n) : surface(std::move(s)) {
     mesh = Mesh(surface.F, surface.V.rows());
     geometry = Geometry(mesh, surface.V);
     connection = locally_optimal(mesh, geometry);
@@ -92,9 +92,9 @@ struct Case {
 };
 
 // Vertices 0, one in the middle and the last are used by no face.
-inline Surface with_unreferenced(const Surface& s) {
+inline MeshData with_unreferenced(const MeshData& s) {
   const Eigen::Index half = s.V.rows() / 2;
-  Surface out;
+  MeshData out;
   out.V.resize(s.V.rows() + 3, 3);
   out.V.row(0) << 9, 9, 9;
   out.V.middleRows(1, half) = s.V.topRows(half);

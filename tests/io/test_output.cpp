@@ -157,7 +157,7 @@ TEST_CASE("rawfield: n tangent vectors per face, counter-clockwise, whose n-th p
 TEST_CASE("sings: what principal matching finds in the very rows of the rawfield; the sum is n chi") {
   const Folder folder;
   struct Shape {
-    Surface surface;
+    MeshData surface;
     int euler;  // 99: with boundary
   };
   const Shape shapes[] = {{jittered_sphere(3, 0.2, 1), 2},

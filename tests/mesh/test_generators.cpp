@@ -14,7 +14,7 @@ using namespace alcap;
 
 namespace {
 
-double volume(const Surface& s) {
+double volume(const MeshData& s) {
   double sum = 0;
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     const Eigen::RowVector3d a = s.V.row(s.F(t, 0)), b = s.V.row(s.F(t, 1)), c = s.V.row(s.F(t, 2));
@@ -23,7 +23,7 @@ double volume(const Surface& s) {
   return sum;
 }
 
-Eigen::RowVector3d vector_area(const Surface& s) {
+Eigen::RowVector3d vector_area(const MeshData& s) {
   Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     const Eigen::RowVector3d a = s.V.row(s.F(t, 0)), b = s.V.row(s.F(t, 1)), c = s.V.row(s.F(t, 2));
@@ -34,7 +34,7 @@ Eigen::RowVector3d vector_area(const Surface& s) {
 
 /// Whether every face has its normal to the same side as the direction from `from`(centroid).
 template <class From>
-bool outward(const Surface& s, From&& from) {
+bool outward(const MeshData& s, From&& from) {
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     const Eigen::RowVector3d a = s.V.row(s.F(t, 0)), b = s.V.row(s.F(t, 1)), c = s.V.row(s.F(t, 2));
     const Eigen::RowVector3d middle = (a + b + c) / 3;
@@ -46,7 +46,7 @@ bool outward(const Surface& s, From&& from) {
 Eigen::RowVector3d origin(const Eigen::RowVector3d&) { return Eigen::RowVector3d::Zero(); }
 
 /// One component of the given genus and number of loops, no defects, every vertex used.
-void check_shape(const Surface& s, Index genus, Index loops) {
+void check_shape(const MeshData& s, Index genus, Index loops) {
   REQUIRE(find_defects(s.F, s.V.rows()).empty());
   CHECK(find_defects(s.V, s.F).empty());
   const Mesh mesh(s.F, s.V.rows());
@@ -57,7 +57,7 @@ void check_shape(const Surface& s, Index genus, Index loops) {
   CHECK(topology.components[0].boundary_loops == loops);
 }
 
-bool same(const Surface& a, const Surface& b) { return a.V == b.V && a.F == b.F; }
+bool same(const MeshData& a, const MeshData& b) { return a.V == b.V && a.F == b.F; }
 
 }  // namespace
 
@@ -73,7 +73,7 @@ TEST_CASE("small meshes") {
 
 TEST_CASE("icospheres lie on the sphere, face outward and nest") {
   for (int level = 0; level <= 4; ++level) {
-    const Surface s = icosphere(level);
+    const MeshData s = icosphere(level);
     const Index power = Index{1} << 2 * level;
     CHECK(s.V.rows() == 10 * power + 2);
     CHECK(s.F.rows() == 20 * power);
@@ -88,9 +88,9 @@ TEST_CASE("icospheres lie on the sphere, face outward and nest") {
 }
 
 TEST_CASE("jittered spheres stay on the sphere, move by at most the amount and do not fold") {
-  const Surface clean = icosphere(3);
+  const MeshData clean = icosphere(3);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const Surface s = jittered_sphere(3, 0.2, seed);
+    const MeshData s = jittered_sphere(3, 0.2, seed);
     check_shape(s, 0, 0);
     CHECK(s.F == clean.F);
     CHECK((s.V.rowwise().norm().array() - 1).abs().maxCoeff() < 1e-15);
@@ -105,7 +105,7 @@ TEST_CASE("jittered spheres stay on the sphere, move by at most the amount and d
 }
 
 TEST_CASE("bumpy spheres have the stated radius") {
-  const Surface s = bumpy_sphere(3, 0.3, 6), round = icosphere(3);
+  const MeshData s = bumpy_sphere(3, 0.3, 6), round = icosphere(3);
   check_shape(s, 0, 0);
   CHECK(outward(s, origin));
   double worst = 0;
@@ -123,7 +123,7 @@ TEST_CASE("tori have genus 1, lie on the torus and face outward") {
     Eigen::RowVector3d c(p[0], p[1], 0);
     return Eigen::RowVector3d(c * (R / c.norm()));
   };
-  for (const Surface& s : {torus(40, 20, R, r), torus_random_diagonals(40, 20, R, r, 3)}) {
+  for (const MeshData& s : {torus(40, 20, R, r), torus_random_diagonals(40, 20, R, r, 3)}) {
     check_shape(s, 1, 0);
     CHECK(s.V.rows() == 800);
     CHECK(s.F.rows() == 1600);
@@ -133,7 +133,7 @@ TEST_CASE("tori have genus 1, lie on the torus and face outward") {
     }
   }
   check_shape(torus(3, 3, R, r), 1, 0);
-  const Surface s = torus(40, 20, R, r);
+  const MeshData s = torus(40, 20, R, r);
   // Quad (i, j) = (2, 5): a b c and a c d, with vertex (i, j) at i nv + j.
   CHECK(s.F.row(2 * (2 * 20 + 5)) == Eigen::RowVector3i(45, 65, 66));
   CHECK(s.F.row(2 * (2 * 20 + 5) + 1) == Eigen::RowVector3i(45, 66, 46));
@@ -179,14 +179,14 @@ TEST_CASE("flat pieces cover their area once, facing +z") {
   }
   check_shape(fan(3), 0, 1);
   check_shape(fan(2000), 0, 1);
-  for (const Surface& s : {grid(3, 4, 2, 5), disk(7), fan(9)}) {
+  for (const MeshData& s : {grid(3, 4, 2, 5), disk(7), fan(9)}) {
     const auto below = [](const Eigen::RowVector3d& p) { return Eigen::RowVector3d(p[0], p[1], -1); };
     CHECK(outward(s, below));
   }
 }
 
 TEST_CASE("cylinders have two loops and face outward") {
-  const Surface s = cylinder(12, 5, 2, 3);
+  const MeshData s = cylinder(12, 5, 2, 3);
   check_shape(s, 0, 2);
   CHECK(outward(s, [](const Eigen::RowVector3d& p) { return Eigen::RowVector3d(0, 0, p[2]); }));
   check_shape(cylinder(3, 1), 0, 2);
@@ -195,7 +195,7 @@ TEST_CASE("cylinders have two loops and face outward") {
 TEST_CASE("surfaces of any genus") {
   for (int genus = 0; genus <= 4; ++genus) {
     for (const int resolution : {1, 2, 4}) {
-      const Surface s = genus_surface(genus, resolution);
+      const MeshData s = genus_surface(genus, resolution);
       check_shape(s, genus, 0);
       CHECK(volume(s) > 0);
     }
@@ -205,12 +205,12 @@ TEST_CASE("surfaces of any genus") {
 
 TEST_CASE("the CAD stand-in is closed and has slivers") {
   for (const int steps : {1, 2, 6}) {
-    const Surface s = cad_like(64, steps);
+    const MeshData s = cad_like(64, steps);
     check_shape(s, 0, 0);
     CHECK(volume(s) > 0);
   }
   check_shape(cad_like(3, 1), 0, 0);
-  const Surface s = cad_like(200, 4);
+  const MeshData s = cad_like(200, 4);
   double thinnest = 1;
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     const Eigen::RowVector3d a = s.V.row(s.F(t, 0)), b = s.V.row(s.F(t, 1)), c = s.V.row(s.F(t, 2));
@@ -222,7 +222,7 @@ TEST_CASE("the CAD stand-in is closed and has slivers") {
 
 TEST_CASE("the scan stand-in has five holes and irregular valences") {
   for (int level = 3; level <= 5; ++level) {
-    const Surface s = noisy_scan(level, 0.1, 7);
+    const MeshData s = noisy_scan(level, 0.1, 7);
     check_shape(s, 0, 5);
     Eigen::VectorXi valence = Eigen::VectorXi::Zero(s.V.rows());
     for (Eigen::Index k = 0; k < s.F.size(); ++k) ++valence[s.F.data()[k]];

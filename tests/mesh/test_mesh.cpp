@@ -69,7 +69,7 @@ void check_identities(const Mesh& mesh, const Faces& F, Index vertices) {
   CHECK(mesh.referenced_vertices() == referenced);
 }
 
-void check_identities(const Surface& s) {
+void check_identities(const MeshData& s) {
   check_identities(Mesh(s.F, s.V.rows()), s.F, static_cast<Index>(s.V.rows()));
 }
 
@@ -103,7 +103,7 @@ using List = std::vector<Index>;
 }  // namespace
 
 TEST_CASE("half-edge identities hold on closed, open and mixed meshes") {
-  for (const Surface& s :
+  for (const MeshData& s :
        {single_triangle(), tetrahedron(), cube(), icosphere(2), torus_random_diagonals(9, 7, 1, 0.4, 3),
         genus_surface(2, 2), grid(5, 4), disk(4), cylinder(7, 3), cad_like(16, 3), noisy_scan(3, 0.1, 7),
         together(grid(1, 1), together(icosphere(0), cylinder(3, 1)))}) {
@@ -115,7 +115,7 @@ TEST_CASE("half-edge identities hold on closed, open and mixed meshes") {
 }
 
 TEST_CASE("a vertex of valence 2000 is walked completely") {
-  const Surface s = fan(2000);
+  const MeshData s = fan(2000);
   check_identities(s);
   // The hub as the largest and as a middle number sorts differently.
   for (const Index hub : {Index{2000}, Index{1000}}) {
@@ -126,7 +126,7 @@ TEST_CASE("a vertex of valence 2000 is walked completely") {
 }
 
 TEST_CASE("unreferenced vertices are allowed and flagged") {
-  const Surface s = tetrahedron();
+  const MeshData s = tetrahedron();
   const Faces F = (s.F.array() * 2 + 1).matrix();
   const Mesh mesh(F, 10);
   check_identities(mesh, F, 10);
@@ -137,8 +137,8 @@ TEST_CASE("unreferenced vertices are allowed and flagged") {
 }
 
 TEST_CASE("the mesh does not depend on the number of threads") {
-  const Surface clean = noisy_scan(4, 0.1, 3);
-  const Surface s = relabelled(clean, random_order(clean.V.rows(), 8), random_order(clean.F.rows(), 9));
+  const MeshData clean = noisy_scan(4, 0.1, 3);
+  const MeshData s = relabelled(clean, random_order(clean.V.rows(), 8), random_order(clean.F.rows(), 9));
   const auto arrays = [&](int threads) {
     std::vector<Index> all;
     run_with_threads(threads, [&] {
@@ -155,9 +155,9 @@ TEST_CASE("the mesh does not depend on the number of threads") {
 }
 
 TEST_CASE("shuffled faces give the same mesh up to relabelling") {
-  const Surface s = noisy_scan(3, 0.1, 5);
+  const MeshData s = noisy_scan(3, 0.1, 5);
   const List number = random_order(s.V.rows(), 3), row = random_order(s.F.rows(), 4);
-  const Surface t = relabelled(s, number, row);
+  const MeshData t = relabelled(s, number, row);
   const Mesh a(s.F, s.V.rows()), b(t.F, t.V.rows());
   const auto image = [&](Index h) { return h == none ? none : 3 * row[static_cast<std::size_t>(h / 3)] + h % 3; };
   Index bad = 0;
@@ -217,7 +217,7 @@ TEST_CASE("defect: non-manifold edge") {
   CHECK(r.first == List{0, 1});
   CHECK(contains(r.message, "1 edge has more than two faces (non-manifold): (0, 1); "));
   // Two cubes that share an edge: four faces there, and the ends are no bow-ties besides.
-  Surface two = together(cube(), cube());
+  MeshData two = together(cube(), cube());
   for (Eigen::Index t = 12; t < 24; ++t) {
     for (int c = 0; c < 3; ++c) {
       if (two.F(t, c) == 8) two.F(t, c) = 7;
@@ -228,7 +228,7 @@ TEST_CASE("defect: non-manifold edge") {
 }
 
 TEST_CASE("defect: inconsistent orientation names the edges and the repair") {
-  Surface s = tetrahedron();
+  MeshData s = tetrahedron();
   std::swap(s.F(2, 0), s.F(2, 1));
   const DefectReport r = only_defect(s.F, 4);
   CHECK(r.defect == Defect::inconsistent_orientation);
@@ -238,7 +238,7 @@ TEST_CASE("defect: inconsistent orientation names the edges and the repair") {
   CHECK(contains(r.message, "3 edges"));
   CHECK(contains(r.message, "(0, 2), (0, 3), (2, 3)"));
   CHECK(contains(r.message, "--repair orient"));
-  Surface many = icosphere(2);
+  MeshData many = icosphere(2);
   for (Eigen::Index t = 0; t < 320; t += 8) std::swap(many.F(t, 1), many.F(t, 2));
   const DefectReport long_list = only_defect(many.F, many.V.rows());
   CHECK(long_list.first.size() == 16);
@@ -247,7 +247,7 @@ TEST_CASE("defect: inconsistent orientation names the edges and the repair") {
 }
 
 TEST_CASE("defect: not orientable") {
-  const Surface sphere = icosphere(0);
+  const MeshData sphere = icosphere(0);
   Faces F(30, 3);
   F << sphere.F, (moebius_strip(5).array() + 12).matrix();
   const DefectReport r = only_defect(F, 22);
@@ -262,14 +262,14 @@ TEST_CASE("defect: bow-tie") {
   CHECK(open.defect == Defect::non_manifold_vertex);
   CHECK(open.element == Element::vertex);
   CHECK(open.first == List{2});
-  Surface closed = together(tetrahedron(), tetrahedron());
+  MeshData closed = together(tetrahedron(), tetrahedron());
   for (Eigen::Index t = 4; t < 8; ++t) {
     for (int c = 0; c < 3; ++c) {
       if (closed.F(t, c) == 4) closed.F(t, c) = 3;
     }
   }
   CHECK(only_defect(closed.F, 8).first == List{3});
-  Surface mixed = together(fan(5), fan(6));  // one boundary, one interior vertex: 1 and the second hub
+  MeshData mixed = together(fan(5), fan(6));  // one boundary, one interior vertex: 1 and the second hub
   for (Eigen::Index t = 5; t < 11; ++t) mixed.F(t, 0) = 1;
   CHECK(only_defect(mixed.F, 13).first == List{1});
 }
@@ -333,7 +333,7 @@ TEST_CASE("garbage is accepted or refused alike by the check and by the mesh") {
 }
 
 TEST_CASE("geometric defects name their elements") {
-  Surface s = icosphere(1);
+  MeshData s = icosphere(1);
   s.V(4, 1) = std::numeric_limits<double>::quiet_NaN();
   s.V(9, 2) = -std::numeric_limits<double>::infinity();
   const std::vector<DefectReport> r = find_defects(s.V, s.F);
@@ -341,7 +341,7 @@ TEST_CASE("geometric defects name their elements") {
   CHECK(r.at(0).first == List{4, 9});
   CHECK(r.at(0).element == Element::vertex);
 
-  Surface g = grid(4, 4);
+  MeshData g = grid(4, 4);
   g.V.row(7) = g.V.row(6);  // neighbours
   const std::vector<DefectReport> q = find_defects(g.V, g.F);
   REQUIRE(kinds(q) == std::vector<Defect>{Defect::zero_length_edge});
@@ -373,8 +373,8 @@ TEST_CASE("degenerate() accepts slivers and does not depend on the unit of lengt
 }
 
 TEST_CASE("repair: random flips are undone, and the smallest face keeps its orientation") {
-  for (const Surface& s : {icosphere(2), grid(6, 5), torus(8, 6, 1, 0.4), noisy_scan(3, 0, 1),
-                           together(cylinder(5, 2), together(genus_surface(2, 1), single_triangle()))}) {
+  for (const MeshData& s : {icosphere(2), grid(6, 5), torus(8, 6, 1, 0.4), noisy_scan(3, 0, 1),
+                            together(cylinder(5, 2), together(genus_surface(2, 1), single_triangle()))}) {
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
       const Faces turned = randomly_turned(s.F, seed);
       List flipped;
@@ -424,8 +424,8 @@ TEST_CASE("repair: a Moebius strip cannot be oriented, nor can broken faces") {
 }
 
 TEST_CASE("repair: welding a soup gives the original topology") {
-  for (const Surface& s : {icosphere(2), grid(6, 5), cad_like(12, 2), noisy_scan(3, 0.1, 2)}) {
-    const Surface pieces = soup(s);
+  for (const MeshData& s : {icosphere(2), grid(6, 5), cad_like(12, 2), noisy_scan(3, 0.1, 2)}) {
+    const MeshData pieces = soup(s);
     CHECK(Mesh(pieces.F, pieces.V.rows()).boundary_edges() == 3 * s.F.rows());
     CHECK(duplicate_positions(pieces.V) == pieces.V.rows() - s.V.rows());
     CHECK(duplicate_positions(s.V) == 0);

@@ -174,7 +174,7 @@ void check_topology(const Mesh& mesh) {
 }
 
 /// Removes up to `count` random faces, each only if the rest stays a mesh.
-Faces with_random_holes(const Surface& s, Index count, std::uint64_t seed) {
+Faces with_random_holes(const MeshData& s, Index count, std::uint64_t seed) {
   Faces F = s.F;
   detail::Random random(seed);
   for (Index k = 0; k < count; ++k) {
@@ -189,25 +189,25 @@ Faces with_random_holes(const Surface& s, Index count, std::uint64_t seed) {
 }  // namespace
 
 TEST_CASE("components, loops and genus agree with brute force") {
-  const Surface mixed =
+  const MeshData mixed =
       together(grid(3, 2), together(torus(5, 4, 1, 0.4), together(cylinder(5, 2), genus_surface(2, 1))));
-  for (const Surface& s : {single_triangle(), tetrahedron(), icosphere(1), torus(4, 3, 1, 0.4), genus_surface(3, 1),
-                           disk(3), cylinder(4, 2), noisy_scan(3, 0, 2), mixed}) {
+  for (const MeshData& s : {single_triangle(), tetrahedron(), icosphere(1), torus(4, 3, 1, 0.4), genus_surface(3, 1),
+                            disk(3), cylinder(4, 2), noisy_scan(3, 0, 2), mixed}) {
     check_topology(Mesh(s.F, s.V.rows()));
-    const Surface t = relabelled(s, random_order(s.V.rows(), 1), random_order(s.F.rows(), 2));
+    const MeshData t = relabelled(s, random_order(s.V.rows(), 1), random_order(s.F.rows(), 2));
     check_topology(Mesh(t.F, t.V.rows()));
   }
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const Surface s = torus_random_diagonals(6, 5, 1, 0.4, seed);
+    const MeshData s = torus_random_diagonals(6, 5, 1, 0.4, seed);
     check_topology(Mesh(with_random_holes(s, 4 + static_cast<Index>(seed), seed), s.V.rows()));
   }
 }
 
 TEST_CASE("a thousand components") {
-  Surface s{Positions<double>(5000, 3), Faces(3000, 3)};
+  MeshData s{Positions<double>(5000, 3), Faces(3000, 3)};
   Eigen::Index row = 0;
   for (Index k = 0; k < 1000; ++k) {
-    const Surface piece = k % 2 == 0 ? tetrahedron() : grid(1, 1);
+    const MeshData piece = k % 2 == 0 ? tetrahedron() : grid(1, 1);
     s.V.middleRows(4 * k, 4) = piece.V;
     for (Eigen::Index t = 0; t < piece.F.rows(); ++t) {
       s.F.row(row++) = (piece.F.row(t).array() + 4 * k).matrix();
@@ -216,7 +216,7 @@ TEST_CASE("a thousand components") {
   REQUIRE(row == 3000);
   s.V.bottomRows(1000).setZero();  // unreferenced
   const std::vector<Index> order = random_order(3000, 4), number = random_order(5000, 5);
-  const Surface t = relabelled(s, number, order);
+  const MeshData t = relabelled(s, number, order);
   const Mesh mesh(t.F, 5000);
   check_topology(mesh);
   const Topology topology = find_topology(mesh);
@@ -234,11 +234,11 @@ TEST_CASE("a thousand components") {
 }
 
 TEST_CASE("generators are closed strips and a basis on closed surfaces") {
-  for (const Surface& s : {icosphere(1), torus(3, 3, 1, 0.4), torus(7, 5, 1, 0.4),
-                           torus_random_diagonals(6, 8, 1, 0.4, 2), genus_surface(2, 1), genus_surface(3, 1),
-                           together(genus_surface(2, 1), together(icosphere(0), torus(4, 3, 1, 0.4)))}) {
+  for (const MeshData& s : {icosphere(1), torus(3, 3, 1, 0.4), torus(7, 5, 1, 0.4),
+                            torus_random_diagonals(6, 8, 1, 0.4, 2), genus_surface(2, 1), genus_surface(3, 1),
+                            together(genus_surface(2, 1), together(icosphere(0), torus(4, 3, 1, 0.4)))}) {
     check_generators(Mesh(s.F, s.V.rows()));
-    const Surface t = relabelled(s, random_order(s.V.rows(), 3), random_order(s.F.rows(), 4));
+    const MeshData t = relabelled(s, random_order(s.V.rows(), 3), random_order(s.F.rows(), 4));
     check_generators(Mesh(t.F, t.V.rows()));
   }
 }
@@ -248,7 +248,7 @@ TEST_CASE("generators and loops are a basis on surfaces with boundary") {
   check_generators(Mesh(grid(3, 2).F, 12));
   Index with_handles = 0, several_loops = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
-    const Surface s = seed % 2 == 0 ? torus_random_diagonals(6, 5, 1, 0.4, seed) : genus_surface(2, 1);
+    const MeshData s = seed % 2 == 0 ? torus_random_diagonals(6, 5, 1, 0.4, seed) : genus_surface(2, 1);
     const Mesh mesh(with_random_holes(s, 1 + 2 * static_cast<Index>(seed % 9), seed), s.V.rows());
     check_generators(mesh);
     for (const ComponentInfo& c : find_topology(mesh).components) {
@@ -270,7 +270,7 @@ TEST_CASE("generators of a torus grid are as short as they can be") {
 }
 
 TEST_CASE("topology does not depend on the number of threads") {
-  const Surface s = genus_surface(3, 3);
+  const MeshData s = genus_surface(3, 3);
   const auto result = [&](int threads) {
     std::vector<Index> all;
     run_with_threads(threads, [&] {
@@ -288,8 +288,8 @@ TEST_CASE("topology does not depend on the number of threads") {
 }
 
 TEST_CASE("components become meshes of their own, with maps back") {
-  const Surface parts = together(torus(5, 4, 1, 0.4), together(disk(2), tetrahedron()));
-  Surface s = relabelled(parts, random_order(parts.V.rows(), 6), random_order(parts.F.rows(), 7));
+  const MeshData parts = together(torus(5, 4, 1, 0.4), together(disk(2), tetrahedron()));
+  MeshData s = relabelled(parts, random_order(parts.V.rows(), 6), random_order(parts.F.rows(), 7));
   s.V.conservativeResize(s.V.rows() + 3, 3);  // unreferenced
   s.V.bottomRows(3).setConstant(9);
   const Mesh mesh(s.F, s.V.rows());

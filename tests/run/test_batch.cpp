@@ -15,8 +15,8 @@ using namespace alcap;
 
 namespace {
 
-std::vector<Surface> meshes() {
-  std::vector<Surface> all;
+std::vector<MeshData> meshes() {
+  std::vector<MeshData> all;
   for (int i = 0; i < 12; ++i) {
     const auto seed = static_cast<std::uint64_t>(i);
     if (i % 3 == 0) all.push_back(jittered_sphere(3, 0.2, seed));
@@ -31,9 +31,9 @@ const auto no_failure = [](std::int64_t i, const std::exception& e) { FAIL("mesh
 }  // namespace
 
 TEST_CASE("a batch gives the bits of one run after the other, whatever the number of jobs") {
-  const std::vector<Surface> all = meshes();
+  const std::vector<MeshData> all = meshes();
   std::vector<FieldRun> alone;
-  for (const Surface& s : all) alone.push_back(run_field(s.V, s.F, {.n = 4}));
+  for (const MeshData& s : all) alone.push_back(run_field(s.V, s.F, {.n = 4}));
   for (const int jobs : {0, 1, 2, 5}) {
     CAPTURE(jobs);
     std::vector<ComplexVectorX<double>> u(all.size());
@@ -58,7 +58,7 @@ TEST_CASE("a batch gives the bits of one run after the other, whatever the numbe
 }
 
 TEST_CASE("what goes wrong with one mesh reaches failed() and stops nothing") {
-  std::vector<Surface> all = meshes();
+  std::vector<MeshData> all = meshes();
   all[3].F(5, 0) = all[3].F(5, 1);  // a vertex twice in a face
   all[7].V(2, 1) = std::numeric_limits<double>::infinity();
   std::vector<int> failures(all.size(), 0);
@@ -82,7 +82,7 @@ TEST_CASE("what goes wrong with one mesh reaches failed() and stops nothing") {
 }
 
 TEST_CASE("a context that met a bad mesh is as good as new") {
-  const Surface good = jittered_sphere(3, 0.2, 1);
+  const MeshData good = jittered_sphere(3, 0.2, 1);
   Faces bad = good.F;
   bad(0, 0) = 1 << 20;
   Context context({.n = 2});
@@ -111,7 +111,7 @@ TEST_CASE("bad arguments are named, an empty batch is none of them") {
 }
 
 TEST_CASE("memory does not grow with the number of meshes") {
-  const Surface s = jittered_sphere(3, 0.2, 5);
+  const MeshData s = jittered_sphere(3, 0.2, 5);
   const auto batch = [&](std::int64_t count) {
     run_batch(
         count, {.jobs = 2}, [&](Context& context, std::int64_t) { context.run(s.V, s.F); }, no_failure);

@@ -15,7 +15,7 @@ using namespace alcap::test;
 namespace {
 
 // Runs on so many threads and returns all files of the result, by name.
-std::map<std::string, std::string> files_of(const Surface& s, const FieldRunOptions& options, FieldRun& run) {
+std::map<std::string, std::string> files_of(const MeshData& s, const FieldRunOptions& options, FieldRun& run) {
   const Folder folder;
   run = run_field(s.V, s.F, options);
   std::vector<fs::path> paths;
@@ -38,7 +38,7 @@ std::map<std::string, std::string> files_of(const Surface& s, const FieldRunOpti
 
 TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
   // Large enough for every loop to be shared; open, and with vertices that no face uses.
-  for (const Surface& s : {noisy_scan(5, 0.1, 3), with_unreferenced(torus_random_diagonals(120, 60, 1, 0.4, 2))}) {
+  for (const MeshData& s : {noisy_scan(5, 0.1, 3), with_unreferenced(torus_random_diagonals(120, 60, 1, 0.4, 2))}) {
     for (const int n : {1, 4}) {
       // CHOLMOD's last bits depend on the threads of BLAS.
       FieldRunOptions options{.n = n, .eigen = {.tolerance = 1e-6, .method = "lobpcg"}, .threads = 1};
@@ -67,7 +67,7 @@ TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
 }
 
 TEST_CASE("faces that are moved in become the faces of the mesh, without a copy") {
-  Surface s = jittered_sphere(3, 0.2, 1);
+  MeshData s = jittered_sphere(3, 0.2, 1);
   const Faces F = s.F;
   const Index* const place = s.F.data();
   const FieldRun run = run_field(s.V, std::move(s.F));
@@ -77,7 +77,7 @@ TEST_CASE("faces that are moved in become the faces of the mesh, without a copy"
 
 TEST_CASE("each file of a run appears with all the others or not at all") {
   const Folder folder;
-  const Surface s = jittered_sphere(3, 0.2, 1);
+  const MeshData s = jittered_sphere(3, 0.2, 1);
   const FieldRun run = run_field(s.V, s.F);
   const FieldOutput output{.mesh = run.mesh,
                            .V = s.V,

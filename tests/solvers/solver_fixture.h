@@ -36,7 +36,7 @@ inline Problem problem_of(const MeshCase& s, const Connection& connection, int n
 }
 
 /// With the polar connection.
-inline Problem problem_of(Surface surface, int n) {
+inline Problem problem_of(MeshData surface, int n) {
   const MeshCase s(std::move(surface));
   return problem_of(s, polar(s.mesh, s.geometry), n);
 }

@@ -19,7 +19,7 @@ using namespace alcap::test;
 
 namespace {
 
-Problem problem_with_best_connection(const Surface& surface, int n) {
+Problem problem_with_best_connection(const MeshData& surface, int n) {
   const ConnectedCase s(surface);
   return problem_of(s, s.connection, n);
 }

@@ -42,14 +42,14 @@ EigenResult cascade(const Problem& p, double tolerance = 1e-8) {
 }  // namespace
 
 TEST_CASE("all paths find the same eigenvalue on every family, for every degree") {
-  const std::vector<Surface> surfaces{icosphere(3),
-                                      jittered_sphere(3, 0.2, 1),
-                                      bumpy_sphere(3, 0.3, 5),
-                                      disk(14),
-                                      cylinder(28, 22),
-                                      torus_random_diagonals(30, 16, 1, 0.4, 2),
-                                      noisy_scan(3, 0.2, 3),
-                                      genus_surface(2, 3)};
+  const std::vector<MeshData> surfaces{icosphere(3),
+                                       jittered_sphere(3, 0.2, 1),
+                                       bumpy_sphere(3, 0.3, 5),
+                                       disk(14),
+                                       cylinder(28, 22),
+                                       torus_random_diagonals(30, 16, 1, 0.4, 2),
+                                       noisy_scan(3, 0.2, 3),
+                                       genus_surface(2, 3)};
   for (std::size_t s = 0; s < surfaces.size(); ++s) {
     for (const int n : {1, 2, 3, 4, 5, 6}) {
       const Problem p = problem_of(surfaces[s], n);
@@ -88,7 +88,7 @@ TEST_CASE("round spheres: 2n + 1 equal eigenvalues n, and order h^2") {
 }
 
 TEST_CASE("members of a cluster are told apart, however close") {
-  const Surface sphere = icosphere(5);
+  const MeshData sphere = icosphere(5);
   for (const int n : {1, 4}) {
     for (const double apart : {1e-8, 1e-7, 3e-7, 1e-6, 1e-5}) {
       CAPTURE(n);
@@ -127,7 +127,7 @@ TEST_CASE("a flat torus has the eigenvalue 0: recognised, with the covariantly c
 }
 
 TEST_CASE("a shuffled mesh has the same eigenvalue in about as many iterations") {
-  const Surface s = bumpy_sphere(4, 0.3, 5);
+  const MeshData s = bumpy_sphere(4, 0.3, 5);
   const EigenResult plain = cascade(problem_of(s, 4));
   const EigenResult shuffled =
       cascade(problem_of(relabelled(s, random_order(s.V.rows(), 7), random_order(s.F.rows(), 8)), 4));
@@ -163,7 +163,7 @@ TEST_CASE("units and single pieces do not matter") {
     const Problem scaled{.S = p.S, .M = scale * p.M, .area = scale * p.area};
     CHECK(std::abs(cascade(scaled).report.lambda * scale - lambda) <= 1e-9 * lambda);
   }
-  for (const Surface& tiny : {single_triangle(), tetrahedron(), cube(), fan(7)}) {
+  for (const MeshData& tiny : {single_triangle(), tetrahedron(), cube(), fan(7)}) {
     const Problem q = problem_of(tiny, 1);
     const EigenResult a = solve(q, {.method = "lobpcg"});
     const EigenResult b = solve(q, {.method = "dense"});
@@ -172,7 +172,7 @@ TEST_CASE("units and single pieces do not matter") {
 }
 
 TEST_CASE("auto takes the cascade, on good triangles and on needles, in any unit") {
-  const auto solver = [](const Surface& s, double unit) {
+  const auto solver = [](const MeshData& s, double unit) {
     const Problem p = problem_of(s, 4);
     const EigenResult r = smallest_eigenpair(p.S, unit * p.M, unit * p.area, {});
     CHECK(r.report.converged);

@@ -56,8 +56,8 @@ TEST_CASE("iterations stay the same from mesh to mesh, for every family and degr
     for (const int level : {3, 4, 5, 6}) {
       CAPTURE(n);
       CAPTURE(level);
-      for (const Surface& surface : {icosphere(level), jittered_sphere(level, 0.2, 1),
-                                     torus_random_diagonals(5 << level, 2 << level, 1, 0.4, 2)}) {
+      for (const MeshData& surface : {icosphere(level), jittered_sphere(level, 0.2, 1),
+                                      torus_random_diagonals(5 << level, 2 << level, 1, 0.4, 2)}) {
         const int iterations = solve(problem_of(surface, n)).report.iterations;
         CHECK(iterations <= 14);
         if (level == 3) first = std::max(first, iterations);

@@ -46,7 +46,7 @@ Run solve(const Problem& p, double weight = 1) {
   return run;
 }
 
-void refine(const std::function<Surface(int)>& family) {
+void refine(const std::function<MeshData(int)>& family) {
   std::vector<int> first(7);
   for (const int level : {3, 4, 5, 6, 7}) {
     const MeshCase shape(family(level));
@@ -63,10 +63,10 @@ void refine(const std::function<Surface(int)>& family) {
   }
 }
 
-Surface pieces(int count) {
-  const Surface piece = jittered_sphere(1, 0.1, 3);
+MeshData pieces(int count) {
+  const MeshData piece = jittered_sphere(1, 0.1, 3);
   const auto v = static_cast<Index>(piece.V.rows()), f = static_cast<Index>(piece.F.rows());
-  Surface all{Positions<double>(count * v, 3), Faces(count * f, 3)};
+  MeshData all{Positions<double>(count * v, 3), Faces(count * f, 3)};
   for (Index k = 0; k < count; ++k) {
     all.V.middleRows(k * v, v) = piece.V;
     all.F.middleRows(k * f, f) = (piece.F.array() + k * v).matrix();
@@ -130,8 +130,8 @@ TEST_CASE("a fifth of the triangles obtuse") {
 }
 
 TEST_CASE("shuffled numbers: as many iterations, give or take one") {
-  const Surface s = jittered_sphere(6, 0.2, 4);
-  const Surface shuffled = relabelled(s, random_order(s.V.rows(), 7), random_order(s.F.rows(), 8));
+  const MeshData s = jittered_sphere(6, 0.2, 4);
+  const MeshData shuffled = relabelled(s, random_order(s.V.rows(), 7), random_order(s.F.rows(), 8));
   for (const int n : {1, 4}) {
     CAPTURE(n);
     const Run a = solve(problem_of(s, n)), b = solve(problem_of(shuffled, n));

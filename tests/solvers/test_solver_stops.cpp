@@ -92,7 +92,7 @@ namespace {
 struct System : Problem {
   Hermitian A = shifted();
   Dense b = Dense::Ones(A.rows(), 1);
-  System(const Surface& surface, int n) : Problem(problem_of(surface, n)) {}
+  System(const MeshData& surface, int n) : Problem(problem_of(surface, n)) {}
 };
 
 /// What is tried, and what must hold of it afterwards.
@@ -205,13 +205,13 @@ TEST_CASE("cancelled from another thread in the middle of a solve") {
 }
 
 TEST_CASE("a run is cancelled from its progress callback, in one piece or in many") {
-  Surface pieces{Positions<double>(12 * 162, 3), Faces(12 * 320, 3)};
-  const Surface sphere = jittered_sphere(2, 0.1, 3);
+  MeshData pieces{Positions<double>(12 * 162, 3), Faces(12 * 320, 3)};
+  const MeshData sphere = jittered_sphere(2, 0.1, 3);
   for (Index k = 0; k < 12; ++k) {
     pieces.V.middleRows(162 * k, 162) = sphere.V;
     pieces.F.middleRows(320 * k, 320) = (sphere.F.array() + 162 * k).matrix();
   }
-  for (const Surface& surface : {jittered_sphere(4, 0.2, 1), pieces}) {
+  for (const MeshData& surface : {jittered_sphere(4, 0.2, 1), pieces}) {
     std::atomic<bool> stop{false};
     FieldRunOptions options{.n = 4};
     options.eigen.cancel = [&] { return stop.load(); };

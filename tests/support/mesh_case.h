@@ -16,10 +16,10 @@
 namespace alcap::test {
 
 struct MeshCase {
-  Surface surface;
+  MeshData surface;
   Mesh mesh;
   Geometry geometry;
-  explicit MeshCase(Surface s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
+  explicit MeshCase(MeshData s) : surface(std::move(s)), mesh(surface.F, surface.V.rows()), geometry(mesh, surface.V) {}
 };
 
 /// With the globally optimal connection.

@@ -13,7 +13,7 @@ namespace alcap::test {
 
 struct Family {
   std::string name;
-  Surface surface;
+  MeshData surface;
 };
 
 /// `level` 2 has 100 to 300 vertices, each level more four times as many; the smallest shapes stay as they are.

@@ -32,8 +32,8 @@ inline std::vector<Index> random_order(Eigen::Index count, std::uint64_t seed) {
 }
 
 /// Vertex v becomes new_number[v]; face t moves to row new_row[t]; corners keep their order.
-inline Surface relabelled(const Surface& s, const std::vector<Index>& new_number, const std::vector<Index>& new_row) {
-  Surface out = s;
+inline MeshData relabelled(const MeshData& s, const std::vector<Index>& new_number, const std::vector<Index>& new_row) {
+  MeshData out = s;
   for (Eigen::Index v = 0; v < s.V.rows(); ++v) out.V.row(new_number[static_cast<std::size_t>(v)]) = s.V.row(v);
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
     for (int c = 0; c < 3; ++c) {
@@ -44,8 +44,8 @@ inline Surface relabelled(const Surface& s, const std::vector<Index>& new_number
 }
 
 /// b after a, apart from each other.
-inline Surface together(const Surface& a, const Surface& b) {
-  Surface out{Positions<double>(a.V.rows() + b.V.rows(), 3), Faces(a.F.rows() + b.F.rows(), 3)};
+inline MeshData together(const MeshData& a, const MeshData& b) {
+  MeshData out{Positions<double>(a.V.rows() + b.V.rows(), 3), Faces(a.F.rows() + b.F.rows(), 3)};
   out.V << a.V, b.V;
   out.F << a.F, (b.F.array() + static_cast<Index>(a.V.rows())).matrix();
   return out;
@@ -62,8 +62,8 @@ inline Faces randomly_turned(const Faces& F, std::uint64_t seed) {
 }
 
 /// Every face with vertices of its own.
-inline Surface soup(const Surface& s) {
-  Surface out{Positions<double>(3 * s.F.rows(), 3), Faces(s.F.rows(), 3)};
+inline MeshData soup(const MeshData& s) {
+  MeshData out{Positions<double>(3 * s.F.rows(), 3), Faces(s.F.rows(), 3)};
   for (Index h = 0; h < 3 * s.F.rows(); ++h) {
     out.V.row(h) = s.V.row(s.F(h / 3, h % 3));
     out.F(h / 3, h % 3) = h;

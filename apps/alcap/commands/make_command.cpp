@@ -25,7 +25,7 @@ struct Kind {
   const char* arguments;  ///< for the help
   Numbers defaults;
   std::size_t whole;  ///< so many first arguments are whole numbers
-  Surface (*make)(const Numbers&);
+  MeshData (*make)(const Numbers&);
 };
 
 int whole(double x) { return static_cast<int>(x); }
@@ -115,7 +115,7 @@ Outcome run(const MakeOptions& options) {
   const std::size_t colon = std::min(options.what.find(':'), options.what.size());
   const Kind& kind = find_kind(options.what.substr(0, colon));
   const std::string_view list = std::string_view(options.what).substr(std::min(colon + 1, options.what.size()));
-  const Surface surface = kind.make(arguments(kind, options.what, list));
+  const MeshData surface = kind.make(arguments(kind, options.what, list));
   write_guarded([&] { write_mesh(plan.target, surface.V, surface.F); });
   Outcome outcome{.report = report_head("make", true)};
   outcome.report["kind"] = options.what;

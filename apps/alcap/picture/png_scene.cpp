@@ -141,7 +141,7 @@ Bands curve_bands(const PictureScene& scene, double taper) {
 }
 
 std::vector<float> ball_vertices(const PictureScene& scene, int sign, double radius) {
-  const Surface ball = icosphere(3);
+  const MeshData ball = icosphere(3);
   std::vector<float> out;
   for (const Singularity& s : scene.singularities) {
     if ((s.index > 0) != (sign > 0)) continue;

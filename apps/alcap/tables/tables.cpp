@@ -110,13 +110,13 @@ struct TriangleRule {
 struct Sphere {
   std::string name;
   int level;
-  Surface surface;
+  MeshData surface;
   Mesh mesh;
   Geometry geometry;
   double mean_edge;
   Fields exact;
 
-  Sphere(std::string name_, int level_, Surface s, const Eigen::MatrixXcd& coefficients)
+  Sphere(std::string name_, int level_, MeshData s, const Eigen::MatrixXcd& coefficients)
       : name(std::move(name_)),
         level(level_),
         surface(std::move(s)),
@@ -350,7 +350,7 @@ void measure_sphere(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, 
 /// A torus in steps of the same refinement, with the harmonics' ambient gradients as smooth random fields.
 void measure_torus(int level, const Eigen::MatrixXcd& unit, TablesResult& result) {
   const int nv = 5 << (level - 1);
-  const Surface surface = torus(2 * nv, nv, 1, 0.4);
+  const MeshData surface = torus(2 * nv, nv, 1, 0.4);
   const Mesh mesh(surface.F, surface.V.rows());
   const Geometry geometry(mesh, surface.V);
   for (std::size_t i = 0; i < connection_names.size(); ++i) {
@@ -383,7 +383,7 @@ TablesResult compute_tables(const TablesOptions& options) {
   for (const char* name : {"clean", "jittered"}) {
     const bool clean = std::string_view(name) == "clean";
     for (const int level : options.levels) {
-      Surface surface = clean ? icosphere(level) : jittered_sphere(level, options.jitter, options.seed);
+      MeshData surface = clean ? icosphere(level) : jittered_sphere(level, options.jitter, options.seed);
       announce(name + (" sphere, " + std::to_string(surface.V.rows())) + " vertices");
       measure_sphere(Sphere(name, level, std::move(surface), coefficients), coefficients, unit, result);
     }

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+//
+// surface.h: a triangle mesh ready to compute on, made once and shared: its points, half-edges, lengths and angles, and
+// topology.
+//
+//   alcap::Surface surface(V, F);                           // the users' own arrays, see arrays.h
+//   alcap::Surface surface(std::move(file.V), std::move(file.F));    // no copy
+//   surface.mesh().faces(); surface.geometry().area(t); surface.topology().euler();
+//
+// A Surface is a handle: copies share the same immutable parts, which live as long as one of them does, and may be used
+// by several threads at once.
+#pragma once
+
+#include <memory>
+#include <utility>
+
+#include "alcap/arrays.h"
+#include "alcap/geometry.h"
+#include "alcap/mesh.h"
+#include "alcap/topology.h"
+
+namespace alcap {
+
+class Surface {
+ public:
+  /// No surface; only good for being assigned to.
+  Surface() = default;
+
+  /// From points (#V x 3) and counter-clockwise triangles (#F x 3); which types is said in arrays.h. Vertices and faces
+  /// keep their numbers. Throws MeshError naming the elements where Mesh and Geometry do, OptionError for arrays that
+  /// have not three columns. O(V + F).
+  template <class Points, class Triangles>
+  Surface(Points&& V, Triangles&& F)
+      : Surface(Made{}, as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F))) {}
+
+  /// An intrinsic surface, from the lengths of its edges (#E, in the order of the mesh's edges), such as a flat torus.
+  /// It lies in no space: V() is empty, and what needs positions throws OptionError.
+  [[nodiscard]] static Surface from_lengths(Mesh mesh, const VectorX<double>& lengths);
+
+  /// Whether there are points.
+  [[nodiscard]] bool in_space() const { return parts_->V.rows() > 0; }
+  [[nodiscard]] const Positions<double>& V() const { return parts_->V; }  ///< #V x 3; empty on an intrinsic surface
+  [[nodiscard]] const Faces& F() const { return parts_->mesh.F(); }       ///< #F x 3
+  [[nodiscard]] const Mesh& mesh() const { return parts_->mesh; }
+  [[nodiscard]] const Geometry& geometry() const { return parts_->geometry; }
+  [[nodiscard]] const Topology& topology() const { return parts_->topology; }
+
+ private:
+  struct Made {};
+  struct Parts {
+    Positions<double> V;
+    Mesh mesh;
+    Topology topology;
+    Geometry geometry;
+  };
+  Surface(Made, Positions<double> V, Faces F);
+
+  std::shared_ptr<const Parts> parts_;
+};
+
+}  // namespace alcap
