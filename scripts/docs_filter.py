@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: MIT
+"""Doxygen's view of a file, on stdout: docs_filter.py FILE.
+
+Pages (.md) are written for any Markdown reader. Doxygen 1.9 makes no anchors from headings and knows pages by name, so
+headings get the anchors that GitHub gives them, and relative links become references. A link to a file that is not part
+of the site keeps its text only.
+
+Headers (.h) begin with a comment on what the file is, and explain the fields of options in comments behind them. Both
+become documentation here, so that the headers need no special marks.
+"""
+import os
+import re
+import sys
+import unicodedata
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def slug(heading):
+    """The anchor that GitHub gives a heading."""
+    text = re.sub(r'\[([^\]]*)\]\([^)]*\)', r'\1', heading).replace('`', '').strip().lower()
+    kept = [c for c in text if c in ' -_' or unicodedata.category(c)[0] in 'LNM']
+    return ''.join(kept).replace(' ', '-')
+
+
+def page(path):
+    return os.path.splitext(os.path.basename(path))[0]
+
+
+def outside_code(text, change):
+    """Applies change(line) to the lines that are outside fenced code."""
+    lines, fenced = [], False
+    for line in text.split('\n'):
+        if line.lstrip().startswith('```'):
+            fenced = not fenced
+            lines.append(line)
+        else:
+            lines.append(line if fenced else change(line))
+    return '\n'.join(lines)
+
+
+def filter_page(path, text):
+    docs = os.path.join(ROOT, 'docs')
+    here = page(path)
+
+    def link(match):
+        shown, target = match.group(1), match.group(2)
+        if re.match(r'[a-z]+:', target):
+            return match.group(0)
+        file, _, anchor = target.partition('#')
+        where = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
+        if where.endswith('.md') and os.path.dirname(where) == docs:
+            return f'[{shown}](@ref {page(where)}_{anchor})' if anchor else f'[{shown}](@ref page_{page(where)})'
+        if where.endswith('.h') and os.path.dirname(where) == os.path.join(ROOT, 'include', 'alcap'):
+            return f'[{shown}](@ref {page(where)}.h)'
+        return shown
+
+    def change(line):
+        line = re.sub(r'!\[([^\]]*)\]\(([^)]*/)?([^)/]+)\)', r'![\1](\3)', line)
+        line = re.sub(r'(?<!!)\[([^\]]*)\]\(([^)\s]+)\)', link, line)
+        heading = re.match(r'(#{1,4}) +(.*?) *$', line)
+        if heading:
+            name = f'page_{here}' if heading.group(1) == '#' else f'{here}_{slug(heading.group(2))}'
+            return f'{heading.group(1)} {heading.group(2)} {{#{name}}}'
+        return line
+
+    # A first line that is a comment would hide the title from Doxygen.
+    return outside_code(re.sub(r'\A(<!--.*?-->\s*)+', '', text, flags=re.S), change)
+
+
+def plain(comment):
+    """#V is a count here, not a name that Doxygen should look for."""
+    return re.sub(r'#(?=[A-Za-z])', r'\\#', comment)
+
+
+def file_comment(name, lines):
+    """The comment on top of a header as a documentation block; indented lines are examples."""
+    out, code = ['/// @file', '///'], False
+    for i, line in enumerate(lines):
+        body = line[2:]
+        indented = body.startswith('   ')
+        if indented and not code:
+            out.append('/// @code{.cpp}')
+            code = True
+        if code and not indented and body.strip():
+            out.append('/// @endcode')
+            code = False
+        if i == 0:
+            body = re.sub(r'^ ' + re.escape(name) + r': ', ' ', body)
+            body = body[:1] + body[1:2].upper() + body[2:]
+        out.append('///' + (body if code else plain(body)))
+    if code:
+        out.append('/// @endcode')
+    return out
+
+
+def filter_header(path, text):
+    lines = text.split('\n')
+    start = 1
+    while start < len(lines) and lines[start].strip() == '//':
+        start += 1
+    end = start
+    while end < len(lines) and lines[end].startswith('//'):
+        end += 1
+    out = file_comment(os.path.basename(path), lines[start:end])
+    member = re.compile(r'^(\s+[A-Za-z_][\w:<>,()& ]*\s[\w]+(?:\s*(?:=|\{)[^;]*)?;\s+)//(?!/)(.*)$')
+    behind = False
+    for line in lines[end:]:
+        found = member.match(line)
+        continued = re.match(r'^\s{12,}//(?!/)(.*)$', line)
+        if found:
+            out.append(f'{found.group(1)}///<{plain(found.group(2))}')
+            behind = True
+        elif behind and continued:
+            out.append(plain(line.replace('//', '///<', 1)))
+        else:
+            behind = False
+            code, marks, comment = line.partition('//')
+            out.append(code + marks + plain(comment))
+    return '\n'.join(out)
+
+
+def main():
+    path = os.path.abspath(sys.argv[1])
+    with open(path, encoding='utf-8') as file:
+        text = file.read()
+    sys.stdout.reconfigure(encoding='utf-8')
+    sys.stdout.write(filter_page(path, text) if path.endswith('.md') else filter_header(path, text))
+
+
+if __name__ == '__main__':
+    main()
