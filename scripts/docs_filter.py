@@ -59,7 +59,7 @@ def filter_page(path, text):
         line = re.sub(r'!\[([^\]]*)\]\(([^)]*/)?([^)/]+)\)', r'![\1](\3)', line)
         line = re.sub(r'(?<!!)\[([^\]]*)\]\(([^)\s]+)\)', link, line)
         heading = re.match(r'(#{1,4}) +(.*?) *$', line)
-        if heading:
+        if heading and (heading.group(1) == '#' or here != 'start'):  # the sections of the main page are no entries of their own
             name = f'page_{here}' if heading.group(1) == '#' else f'{here}_{slug(heading.group(2))}'
             return f'{heading.group(1)} {heading.group(2)} {{#{name}}}'
         return line
