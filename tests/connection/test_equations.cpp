@@ -4,6 +4,7 @@
 // docs/notation.md says which test proves what.
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
