@@ -3,6 +3,7 @@
 // design.cpp: editing a design live: preparing the system, the answer to a target that was turned in its face, to one
 // that was moved to another face, and to a stroke of 40 points that was moved. The paper reports 5 s for the
 // factorisation and 0.5 s for a solve at 50K triangles (LTGD 2016, Sec. 8.3).
+#include "alcap/connected_surface.h"
 #include "alcap/designer.h"
 #include "perf/common.h"
 
@@ -11,9 +12,11 @@ namespace {
 using namespace alcap;
 using perf::Prepared;
 
-Designer make_designer(const Prepared& p, const Connection& c) {
-  Designer designer(p.mesh, p.surface.V, p.geometry, c, {.n = 4, .guidance_weight = 0.1});
-  (void)designer.add(SingularityTarget{.face = p.mesh.faces() / 3, .sign = -1, .orientation = 0.2});
+ConnectedSurface connected(const Prepared& p) { return {Surface(p.surface.V, p.surface.F), p.connection()}; }
+
+Designer make_designer(const ConnectedSurface& s) {
+  Designer designer(s, {.n = 4, .guidance_weight = 0.1});
+  (void)designer.add(SingularityTarget{.face = s.mesh().faces() / 3, .sign = -1, .orientation = 0.2});
   return designer;
 }
 
@@ -39,15 +42,15 @@ void declare(const perf::Plan& plan) {
   perf::add(
       plan, "design_prepare", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection& c = p.connection();
-        perf::timed(state, threads, [&] { benchmark::DoNotOptimize(make_designer(p, c).solve()); });
+        const ConnectedSurface c = connected(p);
+        perf::timed(state, threads, [&] { benchmark::DoNotOptimize(make_designer(c).solve()); });
       },
       direct);
   perf::add(
       plan, "design_target", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection& c = p.connection();
-        Designer designer = make_designer(p, c);
+        const ConnectedSurface c = connected(p);
+        Designer designer = make_designer(c);
         const ControlId id = designer.add(SingularityTarget{.face = 7});
         DesignResult result = designer.solve();
         double angle = 0;
@@ -63,8 +66,8 @@ void declare(const perf::Plan& plan) {
   perf::add(
       plan, "design_move", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection& c = p.connection();
-        Designer designer = make_designer(p, c);
+        const ConnectedSurface c = connected(p);
+        Designer designer = make_designer(c);
         const ControlId id = designer.add(SingularityTarget{.face = 7});
         DesignResult result = designer.solve();
         Index face = 0;
@@ -80,8 +83,8 @@ void declare(const perf::Plan& plan) {
   perf::add(
       plan, "design_stroke", "n:4",
       [](benchmark::State& state, const Prepared& p, int threads) {
-        const Connection& c = p.connection();
-        Designer designer = make_designer(p, c);
+        const ConnectedSurface c = connected(p);
+        Designer designer = make_designer(c);
         Index start = 3 * (p.mesh.faces() / 2);
         const ControlId id = designer.add(forty_points(p, start));
         DesignResult result = designer.solve();

@@ -37,16 +37,14 @@ void indices(benchmark::State& state, const Prepared& p, int threads) {
 }
 
 void write(benchmark::State& state, const Prepared& p, int threads) {
-  const Connection c = polar(p.mesh, p.geometry);
-  const Field field = some_field(p, c);
-  const std::vector<Singularity> zeros = find_singularities(p.mesh, p.geometry, c, field);
+  const ConnectedSurface surface(Surface(p.surface.V, p.surface.F), polar(p.mesh, p.geometry));
+  const Field field = some_field(p, surface.connection());
+  const std::vector<Singularity> zeros = find_singularities(surface, field);
   std::vector<std::filesystem::path> files;
   for (const char* const format : {"ply", "vtp", "rawfield", "rosy"})
     files.push_back(std::filesystem::temp_directory_path() / ("alcap_perf_write." + std::string(format)));
   std::vector<std::filesystem::path> written;
-  perf::timed(state, threads, [&] {
-    written = write_field({p.mesh, p.surface.V, p.geometry, c, field, zeros}, files);
-  });
+  perf::timed(state, threads, [&] { written = write_field({surface, field, zeros}, files); });
   double bytes = 0;
   for (const std::filesystem::path& file : written) {
     bytes += double(std::filesystem::file_size(file));
@@ -89,7 +87,7 @@ void declare(const perf::Plan& plan) {
       FieldRun run;
       perf::timed(state, threads,
                   [&] { run = run_field(p.surface.V, p.surface.F, {.n = n, .eigen = {.tolerance = 1e-6}}); });
-      const StiffnessMass s = stiffness_and_mass(run.mesh, HermitianPattern(run.mesh), run.geometry, run.connection, n);
+      const StiffnessMass s = energy_matrices(run.surface, n);
       state.counters["residual"] = perf::eigen_residual(s.S, s.M, run.field.u);
       state.counters["its"] = run.eigen[0].iterations;
       state.counters["mesh s"] = run.times.mesh;

@@ -2,8 +2,8 @@
 //
 // alignment.h: fields of the surface itself to align designs with.
 //
-//   auto q = alcap::curvature_field(mesh, V, geometry, connection, frames, {.n = 4});
-//   alcap::Designer designer(mesh, V, geometry, connection, {.n = 4, .t = 0.0});
+//   auto q = alcap::curvature_field(connected, {.n = 4});
+//   alcap::Designer designer(connected, {.n = 4, .t = 0.0});
 //   designer.set_guidance(q.u / rms);   // Knoeppel et al. 2013, Sec. 6.3: (S - lambda_t M) u = M q
 #pragma once
 
@@ -13,6 +13,9 @@
 #include "alcap/geometry.h"
 
 namespace alcap {
+
+class Surface;
+class ConnectedSurface;
 
 struct CurvatureOptions {
   int n = 4;              // even: principal directions are lines. 4 asks for both
@@ -24,12 +27,11 @@ struct CurvatureOptions {
 /// curvatures: long where the surface knows a direction, zero on spheres and planes. From the normal cycle
 /// (Cohen-Steiner, Morvan 2003): every edge bends the surface by its dihedral angle across itself. Curvature is
 /// positive where the surface is convex as seen along its normals. O(F). Zero at unreferenced vertices. Throws
-/// OptionError for odd n or rings < 0.
-[[nodiscard]] Field curvature_field(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                    const Connection& connection, std::shared_ptr<const Frames> frames,
-                                    const CurvatureOptions& options = {});
+/// OptionError for odd n, rings < 0, and on a surface that lies in no space.
+[[nodiscard]] Field curvature_field(const ConnectedSurface& surface, const CurvatureOptions& options = {});
 
 /// Root mean square of |u| over the surface, with every vertex weighed by a third of its faces' area.
+[[nodiscard]] double root_mean_square(const Surface& surface, const ComplexVectorX<double>& u);
 [[nodiscard]] double root_mean_square(const Mesh& mesh, const Geometry& geometry, const ComplexVectorX<double>& u);
 
 }  // namespace alcap

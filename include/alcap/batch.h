@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
+#include <utility>
 
 #include "alcap/field_run.h"
 
@@ -27,8 +28,14 @@ class Context {
   /// `threads` and `progress` of the options are not used.
   explicit Context(FieldRunOptions options = {});
 
-  /// run_field() on this thread; throws what it throws. The reference holds until the next call.
-  const FieldRun& run(const Positions<double>& V, const Faces& F);
+  /// run_field() on this thread, of a surface or of points and triangles; throws what it throws. The reference holds
+  /// until the next call.
+  const FieldRun& run(const Surface& surface);
+  template <class Points, class Triangles>
+  const FieldRun& run(Points&& V, Triangles&& F) {
+    return run(as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F)));
+  }
+  const FieldRun& run(Positions<double>&& V, Faces&& F);
 
   [[nodiscard]] const FieldRunOptions& options() const { return options_; }
 

@@ -2,8 +2,8 @@
 //
 // cones.h: cones of a trivial connection that sum to what topology demands, for those who know only some of them.
 //
-//   std::vector<alcap::Cone> cones = alcap::balance_cones(mesh, geometry, {{.vertex = 12, .index = 0.25}}, {.n = 4});
-//   auto connection = alcap::trivial(mesh, geometry, cones, {.n = 4});
+//   std::vector<alcap::Cone> cones = alcap::balance_cones(surface, {{.vertex = 12, .index = 0.25}}, {.n = 4});
+//   auto connection = alcap::trivial(surface, cones, {.n = 4});
 #pragma once
 
 #include <string>
@@ -25,6 +25,8 @@ struct BalanceOptions {
 /// extremum of the potential L phi = curvature - 2 pi cones - mean (conformal factor; Ben-Chen, Gotsman, Bunin 2008).
 /// Components with boundary get none: their loops take what is left. O(cones) solves with one factorisation. Throws
 /// OptionError for cones that trivial() would refuse.
+[[nodiscard]] std::vector<Cone> balance_cones(const Surface& surface, const std::vector<Cone>& cones,
+                                              const BalanceOptions& options = {});
 [[nodiscard]] std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry& geometry,
                                               const std::vector<Cone>& cones, const BalanceOptions& options = {});
 

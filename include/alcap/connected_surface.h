@@ -3,15 +3,19 @@
 // connected_surface.h: a surface with a connection and the frames of its vertices: what fields, operators, energies and
 // designs are computed on.
 //
-//   alcap::ConnectedSurface connected(surface, alcap::globally_optimal(surface));
+//   alcap::ConnectedSurface connected = alcap::connect(surface);     // globally optimal, what most want
+//   alcap::ConnectedSurface flat = alcap::connect(
+//       surface, {.kind = alcap::ConnectionKind::trivial, .balance_cones = true, .n = 4});
+//   alcap::ConnectedSurface own(surface, alcap::polar(surface));     // from any connection
 //   auto result = alcap::smoothest_field(connected, {.n = 4});
 //
-// As Surface, a handle on immutable parts: cheap to copy, and safe for several threads at once.
+// As Surface, a handle on immutable parts: cheap to copy, and safe for several threads at once. It is a Surface, and
+// may be given wherever one is asked for.
 #pragma once
 
 #include <memory>
 #include <mutex>
-#include <utility>
+#include <vector>
 
 #include "alcap/connection.h"
 #include "alcap/frames.h"
@@ -19,7 +23,7 @@
 
 namespace alcap {
 
-class ConnectedSurface {
+class ConnectedSurface : public Surface {
  public:
   /// No surface; only good for being assigned to.
   ConnectedSurface() = default;
@@ -27,28 +31,36 @@ class ConnectedSurface {
   /// Throws OptionError when the connection is not one of this surface's mesh (its arrays have other sizes).
   ConnectedSurface(Surface surface, Connection connection);
 
-  [[nodiscard]] const Surface& surface() const { return parts_->surface; }
-  [[nodiscard]] const Connection& connection() const { return parts_->connection; }
+  [[nodiscard]] const Surface& surface() const { return *this; }
+  [[nodiscard]] const Connection& connection() const { return connected_->connection; }
 
-  /// Frames of the vertices, computed when they are first asked for (vertex_frames, O(V)). Throws OptionError on a
-  /// surface that lies in no space.
+  /// Frames of the vertices, computed when they are first asked for (vertex_frames, O(V)); always the same object.
+  /// Throws OptionError on a surface that lies in no space.
   [[nodiscard]] std::shared_ptr<const Frames> frames() const;
 
-  [[nodiscard]] bool in_space() const { return surface().in_space(); }
-  [[nodiscard]] const Positions<double>& V() const { return surface().V(); }
-  [[nodiscard]] const Faces& F() const { return surface().F(); }
-  [[nodiscard]] const Mesh& mesh() const { return surface().mesh(); }
-  [[nodiscard]] const Geometry& geometry() const { return surface().geometry(); }
-  [[nodiscard]] const Topology& topology() const { return surface().topology(); }
-
  private:
-  struct Parts {
-    Surface surface;
+  struct Connected {
     Connection connection;
     std::once_flag frames_once;
     std::shared_ptr<const Frames> frames;
   };
-  std::shared_ptr<Parts> parts_;
+  std::shared_ptr<Connected> connected_;
 };
+
+/// Which connection, with what it is made from.
+struct ConnectionOptions {
+  ConnectionKind kind = ConnectionKind::global;  // the most accurate one, at O(V) cost
+  PolarOptions polar = {};                       // read when kind is polar
+  GlobalOptions global = {};  // read when kind is global or trivial; its weights also measure D_T and D_E of all kinds
+  std::vector<Cone> cones = {};                 // read when kind is trivial: they must sum to the Euler characteristic
+  bool balance_cones = false;                   // or, with this, are added until they do, see cones.h
+  std::vector<double> generator_holonomy = {};  // of the trivial connection, see TrivialOptions
+  std::vector<double> loop_index = {};          // of the trivial connection, see TrivialOptions
+  int n = 1;  // cones and holonomies are multiples of 1/n turn: the degree of the fields the connection is for
+};
+
+/// The connection that the options describe, on the surface. The cones of a trivial one, those that were added
+/// included, are in its connection().cones. Throws OptionError as the function of connection.h for this kind does.
+[[nodiscard]] ConnectedSurface connect(const Surface& surface, const ConnectionOptions& options = {});
 
 }  // namespace alcap

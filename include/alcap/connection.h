@@ -3,9 +3,12 @@
 // connection.h: discrete connections (LTGD 2016, Secs. 4.2 and 5): geodesic polar map, locally optimal, globally
 // optimal ("as Levi-Civita as possible") and trivial with prescribed cones; one type for all of them.
 //
-//   auto connection = alcap::globally_optimal(mesh, geometry);
+//   auto connection = alcap::globally_optimal(surface);
 //   double k = connection.K[t];                          // lifted curvature of face t; an n-field sees n K
-//   double r = connection.rho_along(mesh, h);            // vertex-to-vertex rotation along halfedge h
+//   double r = connection.rho_along(surface.mesh(), h);  // vertex-to-vertex rotation along halfedge h
+//
+// connected_surface.h chooses between them by options. The forms that take mesh and geometry do the same for those who
+// own the parts.
 //
 // Closed meshes: the K of a Levi-Civita-type connection sum to 2 pi chi.
 #pragma once
@@ -18,6 +21,9 @@
 #include "alcap/topology.h"
 
 namespace alcap {
+
+class Surface;
+class ConnectedSurface;
 
 enum class ConnectionKind { polar, local, global, trivial };
 
@@ -62,17 +68,25 @@ struct ConnectionReport {
   std::string message;  ///< empty when all is well
 };
 
+/// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a
+/// cross field's quad mesh).
+struct Cone {
+  Index vertex = none;
+  double index = 0;
+};
+
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
 struct Connection {
   ConnectionKind kind = ConnectionKind::polar;
   VectorX<double> rho;  ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
   VectorX<double>
       rho_e;  ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both ends
-  VectorX<double> rho_t;  ///< 3 #F: rho_{v -> t} per corner
-  VectorX<double> tau;    ///< 3 #F: lifted rotation along halfedge h inside its face
-  VectorX<double> eps;    ///< #E: lifted rotation along the canonical halfedge, within the edge
-  VectorX<double> K;      ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
-  VectorX<double> alpha;  ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
+  VectorX<double> rho_t;    ///< 3 #F: rho_{v -> t} per corner
+  VectorX<double> tau;      ///< 3 #F: lifted rotation along halfedge h inside its face
+  VectorX<double> eps;      ///< #E: lifted rotation along the canonical halfedge, within the edge
+  VectorX<double> K;        ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
+  VectorX<double> alpha;    ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
+  std::vector<Cone> cones;  ///< of a trivial connection, as trivial() was given them
   ConnectionReport report;
 
   /// rho_ij along halfedge h = i -> j; antisymmetric.
@@ -103,23 +117,19 @@ struct Connection {
 
 /// Geodesic polar map (LTGD 2016, Sec. 5.1; Zhang, Mischaikow, Turk 2006; Knoeppel et al. 2013): corner angles scaled
 /// to 2 pi around interior vertices, kept at boundary vertices.
+[[nodiscard]] Connection polar(const Surface& surface, const PolarOptions& options = {});
 [[nodiscard]] Connection polar(const Mesh& mesh, const Geometry& geometry, const PolarOptions& options = {});
 
 /// Locally optimal (LTGD 2016, Sec. 5.2): the polar map's edges with tau = -K/3 on every halfedge.
+[[nodiscard]] Connection locally_optimal(const Surface& surface);
 [[nodiscard]] Connection locally_optimal(const Mesh& mesh, const Geometry& geometry);
 
 /// Globally optimal (LTGD 2016, Sec. 5.3): minimises D_T + detail * D_E over all of rho, by conjugate gradients on the
 /// local system left after every face has moved its own corners; O(V), no factorisation. Throws OptionError for bad
 /// options.
+[[nodiscard]] Connection globally_optimal(const Surface& surface, const GlobalOptions& options = {});
 [[nodiscard]] Connection globally_optimal(const Mesh& mesh, const Geometry& geometry,
                                           const GlobalOptions& options = {});
-
-/// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a
-/// cross field's quad mesh).
-struct Cone {
-  Index vertex = none;
-  double index = 0;
-};
 
 struct TrivialOptions {
   int n = 1;  // indices and holonomies are multiples of 1/n turn: the degree of the fields the connection is for
@@ -137,10 +147,13 @@ struct TrivialOptions {
 /// cone vertices. K is zero, to rounding, in every face that touches no cone. One Poisson solve, plus one right-hand
 /// side per generator. The cones of a closed component must sum to its Euler characteristic; with boundary, cones and
 /// loops must. Cones lie at interior vertices. Throws OptionError naming the vertex, the sum and what is missing.
+[[nodiscard]] Connection trivial(const Surface& surface, const std::vector<Cone>& cones,
+                                 const TrivialOptions& options = {});
 [[nodiscard]] Connection trivial(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
                                  const TrivialOptions& options = {});
 
 /// Holonomy of a closed strip of faces, in radians: how far a vector has turned after one round.
+[[nodiscard]] double holonomy(const ConnectedSurface& surface, const Loop& strip);
 [[nodiscard]] double holonomy(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
                               const Loop& strip);
 

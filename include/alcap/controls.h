@@ -4,7 +4,7 @@
 // (variational) and eigen_design.h (smoothest); design_file.h writes them down.
 //
 //   alcap::SingularityTarget saddle{.face = 1200, .sign = -1, .orientation = 0.3};
-//   alcap::Stroke stroke{.line = alcap::stroke_from_space(mesh, V, geometry, points), .radius = 0.05};
+//   alcap::Stroke stroke{.line = alcap::stroke_from_space(surface, points), .radius = 0.05};
 #pragma once
 
 #include <array>
@@ -55,13 +55,20 @@ struct BoundaryAlignment {
   double weight = 1;
 };
 
+/// Targets and fixed directions count as met within this angle: they are solved for exactly where nothing else pulls,
+/// so what is left is the influence of other controls, and half a degree of it is not visible.
+inline constexpr double target_met_degrees = 0.5;
+/// Strokes and the boundary are met within this angle on average: the field is drawn to them, not tied, and ten degrees
+/// off still reads as along.
+inline constexpr double stroke_met_degrees = 10;
+
 using Control = std::variant<SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment>;
 enum class ControlId : int {};
 
 /// What became of one control.
 struct ControlReport {
   ControlId id{};
-  bool met = false;
+  bool met = false;          ///< see target_met_degrees, stroke_met_degrees
   int index = 0;             ///< targets: index found in the face (n-ths)
   double error_degrees = 0;  ///< targets: of orientation; strokes, boundary: mean deviation; fixed vertices: direction
 };

@@ -5,9 +5,9 @@
 // 1).
 //
 //   alcap::DesignFile design = alcap::read_design("saddle.json");
-//   design = alcap::place_design(design, mesh, V);              // points of space become faces and vertices
-//   alcap::check_design(design, mesh);                          // names what does not fit this mesh
-//   for (auto& c : alcap::design_controls(design, mesh, V, geometry, frames)) designer.add(c.control);
+//   design = alcap::place_design(design, surface);              // points of space become faces and vertices
+//   alcap::check_design(design, surface.mesh());                // names what does not fit this mesh
+//   for (auto& c : alcap::design_controls(design, connected)) designer.add(c.control);
 //
 // Problems are named by their place in the file (a JSON pointer such as /singularities/2/face) and their value:
 // FileError from reading, OptionError from everything else. Faces, vertices and arrays count from 0. Directions and
@@ -21,9 +21,8 @@
 #include <string_view>
 #include <vector>
 
-#include "alcap/connection.h"
+#include "alcap/connected_surface.h"
 #include "alcap/designer.h"
-#include "alcap/frames.h"
 
 namespace alcap {
 
@@ -172,8 +171,11 @@ void check_design(const DesignFile& design);
 void check_design(const DesignFile& design, const Mesh& mesh);
 
 /// The same design with `at` replaced by faces, vertices and barycentric coordinates, and a path by the points of the
-/// surface nearest to it. Throws as check_design does.
-[[nodiscard]] DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positions<double>& V);
+/// surface nearest to it. Throws as check_design does, and on a surface that lies in no space.
+[[nodiscard]] DesignFile place_design(const DesignFile& design, const Surface& surface);
+
+/// The connection of a placed design, for connect().
+[[nodiscard]] ConnectionOptions connection_options(const DesignFile& design);
 
 /// One control of the designer and where it came from.
 struct DesignControl {
@@ -182,12 +184,10 @@ struct DesignControl {
   Control control;
 };
 
-/// The controls of a placed design: singularities, then fixed vertices, then strokes, then the boundary. `frames` are
-/// those of the vertices for the connection of the design. Throws OptionError when a direction has no part in the
-/// tangent plane or a stroke cannot be traced.
-[[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh,
-                                                         const Positions<double>& V, const Geometry& geometry,
-                                                         const Frames& frames);
+/// The controls of a placed design: singularities, then fixed vertices, then strokes, then the boundary. The surface
+/// has the connection of the design. Throws OptionError when a direction has no part in the tangent plane or a stroke
+/// cannot be traced.
+[[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface);
 
 /// Stable names: "source", "sink", ...
 [[nodiscard]] const char* name(SingularityKind kind);

@@ -6,7 +6,7 @@
 // for targets (d, c) and s on chosen faces and a guidance field u0, i.e. (2 S + w M) u = P' (d + ic) + Q' s + w M u0,
 // with pinned zeros, fixed vertices and strokes as extra rows.
 //
-//   alcap::Designer designer(mesh, V, geometry, connection, {.n = 4});
+//   alcap::Designer designer(connected, {.n = 4});
 //   auto saddle = designer.add(alcap::SingularityTarget{.face = 1200, .sign = -1, .orientation = 0.3});
 //   auto source = designer.add(alcap::SingularityTarget{.face = 77});
 //   alcap::DesignResult result = designer.solve();
@@ -16,7 +16,7 @@
 // The matrix is factorised once. Targets change the right-hand side only, and one that has been changed before keeps
 // its own solution, so that turning it costs no solve; pins, fixed vertices and strokes are low-rank (one backsolve per
 // row, kept until the control changes), and beyond DesignerOptions::largest_rank strokes are folded into the matrix,
-// which is then factorised again. Const functions may be called from several threads at once.
+// which is then factorised again. One thread at a time.
 #pragma once
 
 #include <functional>
@@ -33,6 +33,8 @@
 #include "alcap/solve.h"
 
 namespace alcap {
+
+class ConnectedSurface;
 
 struct DesignerOptions {
   int n = 1;
@@ -70,10 +72,9 @@ struct DesignResult {
 
 class Designer {
  public:
-  /// Keeps references: mesh, V, geometry and connection must outlive it. Throws OptionError for bad options, for t not
-  /// below lambda_1 and for a system that is singular (a parallel field exists and there is no guidance weight).
-  Designer(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
-           const DesignerOptions& options = {});
+  /// Shares the surface. Throws OptionError for bad options, for t not below lambda_1, for a system that is singular (a
+  /// parallel field exists and there is no guidance weight), and on a surface that lies in no space.
+  explicit Designer(const ConnectedSurface& surface, const DesignerOptions& options = {});
   ~Designer();
   Designer(Designer&&) noexcept;
   Designer& operator=(Designer&&) noexcept;

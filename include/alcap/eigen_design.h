@@ -11,10 +11,9 @@
 // targets one could come out opposite. So one more square, over the sum of a component's fluxes and of the means along
 // its strokes, is added to the right side: everything takes one sign (the same strokes: 1 to 7 degrees).
 //
-//   auto line = alcap::stroke_from_space(mesh, V, geometry, points);
-//   auto result = alcap::eigen_design(mesh, geometry, connection, frames,
-//                                     {.strokes = {{.line = line}}, .singularities = {{.face = 12, .sign = -1}}},
-//                                     {.n = 4});
+//   auto line = alcap::stroke_from_space(connected, points);
+//   auto result = alcap::eigen_design(
+//       connected, {.strokes = {{.line = line}}, .singularities = {{.face = 12, .sign = -1}}}, {.n = 4});
 //   result.field.u, result.components[0].lambda, result.strokes[0].mean_degrees ...
 //
 // A field and its opposite follow a single stroke equally well: of both, the one that goes with the controls is
@@ -85,8 +84,7 @@ struct EigenDesignResult {
 /// O(factorisation); the derivative along the stroke is the difference quotient of the part across it between the
 /// middles of its pieces (one per face, where the tangent is that of the smooth curve to second order), everything else
 /// is the closed-form basis integrated by three Gauss points per segment.
-[[nodiscard]] EigenDesignResult eigen_design(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                                             std::shared_ptr<const Frames> frames, const EigenControls& controls,
+[[nodiscard]] EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenControls& controls,
                                              const EigenDesignOptions& options = {});
 
 }  // namespace alcap

@@ -3,8 +3,7 @@
 // energies.h: quadratic energies of n-vector fields as Hermitian matrices (LTGD 2016, Sec. 6.2), exact integrals of the
 // closed-form basis, any n and any connection. All are #V x #V, complex, both triangles stored.
 //
-//   HermitianPattern pattern(mesh);
-//   auto [S, M] = alcap::stiffness_and_mass(mesh, pattern, geometry, connection, 4);
+//   const auto [S, M] = alcap::energy_matrices(connected, 4);
 //   E_D = 0.5 * real(u.dot(S * u));          // |u|^2 integral = real(u.dot(M * u))
 //
 // S (connection Laplacian): positive semidefinite, u* S u = integral of |grad u|^2, invariant to scale.
@@ -17,9 +16,20 @@
 
 namespace alcap {
 
+class ConnectedSurface;
+
 struct StiffnessMass {
   SparseMatrix<Complex<double>> S, M;
 };
+
+/// What a solver of your own starts from: S of the energy E_s (see apply_energy_family; s = 0: the Dirichlet energy)
+/// and M, of degree n. Rows of vertices that no face uses are zero. Throws OptionError for s outside [-1, 1].
+[[nodiscard]] StiffnessMass energy_matrices(const ConnectedSurface& surface, int n, double s = 0);
+[[nodiscard]] StiffnessMass energy_matrices(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                            int n, double s = 0);
+
+/// C + B of degree n, see curvature_and_boundary() below.
+[[nodiscard]] SparseMatrix<Complex<double>> curvature_and_boundary(const ConnectedSurface& surface, int n);
 
 /// Stiffness S and mass M of degree n (any integer except that |n K| should stay below a few hundred). Parallel,
 /// bitwise independent of threads. Rows of unreferenced vertices are zero.
@@ -37,10 +47,11 @@ struct StiffnessMass {
 void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry& geometry,
                          const Connection& connection, int n, double s, SparseMatrix<Complex<double>>& S);
 
-/// E_D, E_A and E_H of a field.
+/// E_D, E_A and E_H of an n-field with values u in vertex frames.
 struct FieldEnergies {
   double dirichlet = 0, antiholomorphic = 0, holomorphic = 0;
 };
+[[nodiscard]] FieldEnergies field_energies(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u);
 [[nodiscard]] FieldEnergies field_energies(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
                                            int n, const ComplexVectorX<double>& u);
 

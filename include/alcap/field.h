@@ -14,6 +14,8 @@
 
 namespace alcap {
 
+class ConnectedSurface;
+
 struct Field {
   int n = 1;
   ComplexVectorX<double> u;              ///< #V, the n-th power of any branch, in vertex frames
@@ -33,9 +35,14 @@ struct Field {
 /// From vectors in space (#V x 3, one branch each; projected to the tangent planes).
 [[nodiscard]] Field from_vectors(int n, const Positions<double>& vectors, std::shared_ptr<const Frames> frames);
 
+/// The same field in other frames of the same elements, such as those of another connection: its vectors in space,
+/// projected to the tangent planes of the new frames where those differ, with |u| as it was. In equal frames the
+/// numbers stay as they are, bit for bit. Throws OptionError when a field or its frames are of another size.
+[[nodiscard]] Field on_frames(const Field& field, std::shared_ptr<const Frames> frames);
+
 /// The field at the barycenters of the faces in face frames (#F): the closed-form basis of LTGD 2016, Sec. 4.3.
-/// `frames` of the result are those of the faces.
-[[nodiscard]] Field at_faces(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                             const Field& field, std::shared_ptr<const Frames> face_frames);
+/// `frames` of the result are those of the faces. Throws OptionError on a surface that lies in no space and when the
+/// field has not one value per vertex.
+[[nodiscard]] Field at_faces(const ConnectedSurface& surface, const Field& field);
 
 }  // namespace alcap

@@ -5,22 +5,22 @@
 // collects what deserves a remark.
 //
 //   alcap::MeshFile file = alcap::read_mesh("bunny.obj");
-//   alcap::FieldRun run = alcap::run_field(file.V, file.F, {.n = 4});
-//   if (run.certificate.holds()) use(run.field.vectors(0), run.singularities);
+//   alcap::FieldRun run = alcap::run_field(std::move(file.V), std::move(file.F), {.n = 4});
+//   if (run.certificate.holds()) use(run.field.vectors(0), run.singularities, run.surface);
 #pragma once
 
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
-#include "alcap/cones.h"
-#include "alcap/connection.h"
+#include "alcap/connected_surface.h"
 #include "alcap/field.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
-#include "alcap/topology.h"
 
 namespace alcap {
 
@@ -31,19 +31,13 @@ enum class Repair {
 };
 
 struct FieldRunOptions {
-  int n = 4;       // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
-  double s = 0.0;  // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
-  ConnectionKind connection = ConnectionKind::global;  // the most accurate one, at O(V) cost
-  PolarOptions polar = {};                             // read when connection is polar
-  GlobalOptions global = {};     // read when connection is global; its weights also measure D_T and D_E of the others
-  std::vector<Cone> cones = {};  // read when connection is trivial: they must sum to the Euler characteristic
-  bool balance_cones = false;    // or, with this, are added until they do, see cones.h
-  std::vector<double> generator_holonomy = {};  // of the trivial connection, see TrivialOptions
-  std::vector<double> loop_index = {};          // of the trivial connection, see TrivialOptions
-  EigenOptions eigen = {};                      // tolerance and solver
-  std::vector<Repair> repairs = {};  // none by default: a mesh is not changed unasked. Welding always comes first
-  bool normalise = false;            // true: divide by |u| afterwards, an n-direction field
-  int threads = 0;                   // 0: as many as the machine has; results do not depend on it
+  int n = 4;                          // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
+  double s = 0.0;                     // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
+  ConnectionOptions connection = {};  // globally optimal; its n is that of the run
+  EigenOptions eigen = {};            // tolerance and solver
+  std::vector<Repair> repairs = {};   // none by default: a mesh is not changed unasked. Welding always comes first
+  bool normalise = false;             // true: divide by |u| afterwards, an n-direction field
+  int threads = 0;                    // 0: as many as the machine has; results do not depend on it
   /// Called on the calling thread when a phase starts: "mesh", "connection", "solve", "analysis". An exception thrown
   /// here ends the run and reaches the caller.
   std::function<void(std::string_view phase)> progress = {};
@@ -81,11 +75,7 @@ struct FieldTimes {
 
 /// Everything a run computed. Vertices and faces are numbered as they came.
 struct FieldRun {
-  Mesh mesh;
-  Topology topology;
-  Geometry geometry;
-  Connection connection;
-  std::vector<Cone> cones;  ///< of a trivial connection, those that were added included
+  ConnectedSurface surface;
   Field field;
   std::vector<EigenReport> eigen;          ///< per component, in the order of topology
   std::vector<int> indices;                ///< #F, in n-ths
@@ -94,28 +84,40 @@ struct FieldRun {
   Certificate certificate;
   std::vector<Remark> remarks;
   FieldTimes times;
+
+  [[nodiscard]] const Mesh& mesh() const { return surface.mesh(); }
+  [[nodiscard]] const Geometry& geometry() const { return surface.geometry(); }
+  [[nodiscard]] const Topology& topology() const { return surface.topology(); }
+  [[nodiscard]] const Connection& connection() const { return surface.connection(); }
 };
 
-/// Smoothest n-field of a mesh, V #V x 3, F #F x 3. Throws MeshError for a mesh that cannot be used, OptionError for
-/// bad options, SolveError when a solver fails. What did not converge is told by the certificate, not thrown. The faces
-/// become those of the result's mesh: std::move them where memory counts.
-[[nodiscard]] FieldRun run_field(const Positions<double>& V, Faces F, const FieldRunOptions& options = {});
+/// Smoothest n-field of a surface. Throws OptionError for bad options, and when repairs are asked for: the mesh is made
+/// already; SolveError when a solver fails. What did not converge is told by the certificate, not thrown. On a surface
+/// that lies in no space the field has no frames.
+[[nodiscard]] FieldRun run_field(const Surface& surface, const FieldRunOptions& options = {});
+
+namespace detail {
+[[nodiscard]] FieldRun run_field(Positions<double> V, Faces F, const FieldRunOptions& options);
+
+template <class T>
+concept NotASurface = !std::is_base_of_v<Surface, std::remove_cvref_t<T>>;
+}  // namespace detail
+
+/// The same from points (#V x 3) and triangles (#F x 3) of any of the types of arrays.h, after the repairs asked for.
+/// Throws MeshError for a mesh that cannot be used. Positions<double> and Faces become those of the result's surface:
+/// std::move them where memory counts; everything else is copied.
+template <detail::NotASurface Points, class Triangles>
+[[nodiscard]] FieldRun run_field(Points&& V, Triangles&& F, const FieldRunOptions& options = {}) {
+  return detail::run_field(as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F)), options);
+}
 
 /// The faces after the repairs asked for (welding first); appends what was done to `remarks`. Throws MeshError when a
 /// repair is impossible.
 [[nodiscard]] Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vector<Repair>& repairs,
                                   std::vector<Remark>& remarks);
 
-/// The cones that the options describe: balanced if wanted, none unless the connection is trivial. Throws OptionError.
-[[nodiscard]] std::vector<Cone> make_cones(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options);
-
-/// The connection that the options describe, with cones = make_cones(). Throws OptionError.
-[[nodiscard]] Connection make_connection(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options,
-                                         const std::vector<Cone>& cones);
-
 /// What is worth saying about a mesh that can be used: unreferenced vertices, pieces that only touch, boundary,
 /// slivers.
-[[nodiscard]] std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
-                                               const Geometry& geometry);
+[[nodiscard]] std::vector<Remark> mesh_remarks(const Surface& surface);
 
 }  // namespace alcap

@@ -3,8 +3,8 @@
 // frames.h: how complex numbers become vectors in space. A frame is a unit axis X and a unit normal N; Y = N x X.
 // A component z = |z| exp(i a) is the vector |z| (cos(a) X + sin(a) Y).
 //
-//   auto frames = alcap::vertex_frames(mesh, V, connection);
-//   Eigen::RowVector3d d = frames.vector(v, std::polar(1.0, angle));
+//   auto frames = connected.frames();       // of the vertices; made once, see connected_surface.h
+//   Eigen::RowVector3d d = frames->vector(v, std::polar(1.0, angle));
 #pragma once
 
 #include <memory>
@@ -24,6 +24,8 @@ struct Frames {
   [[nodiscard]] Eigen::Matrix<double, 1, 3> vector(Index element, Complex<double> z) const;
   /// The component of the projection of vector w to the tangent plane of an element.
   [[nodiscard]] Complex<double> component(Index element, const Eigen::Matrix<double, 1, 3>& w) const;
+  /// Equal to the last bit.
+  [[nodiscard]] bool operator==(const Frames& other) const;
 };
 
 /// Frames of the vertices (#V rows). The normal is the area-weighted mean of the incident faces' normals; X is the axis
@@ -35,7 +37,9 @@ struct Frames {
 [[nodiscard]] Frames vertex_frames(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
                                    const Connection& connection);
 
-/// Frames of the faces (#F rows): X along halfedge 3 t, N the face's normal.
+/// Frames of the faces (#F rows): X along halfedge 3 t, N the face's normal. Throws OptionError on a surface that lies
+/// in no space.
+[[nodiscard]] Frames face_frames(const Surface& surface);
 [[nodiscard]] Frames face_frames(const Mesh& mesh, const Positions<double>& V);
 
 }  // namespace alcap

@@ -3,10 +3,10 @@
 // operators.h: first-order derivatives of n-vector fields: integrated divergence and curl (P) and their reflected pair
 // (Q) per face, and the field with its covariant derivative at any point (LTGD 2016, Sec. 6.3 and App. A).
 //
-//   auto ops = alcap::first_order_operators(mesh, geometry, connection, {.n = 1});
-//   auto f = alcap::apply(mesh, ops.p, u);            // f[t] = integral over t of div u + i curl u
-//   auto g = alcap::apply(mesh, ops.q, u);            // the reflected pair, twice the Cauchy-Riemann derivative
-//   auto x = alcap::face_field(mesh, geometry, connection, 1, u, t).at({0.2, 0.3, 0.5});   // x.div(), x.curl(), ...
+//   auto ops = alcap::first_order_operators(connected, {.n = 1});
+//   auto f = alcap::apply(connected.mesh(), ops.p, u);      // f[t] = integral over t of div u + i curl u
+//   auto g = alcap::apply(connected.mesh(), ops.q, u);      // the reflected pair, twice the Cauchy-Riemann derivative
+//   auto x = alcap::face_field(connected, 1, u, t).at({0.2, 0.3, 0.5});   // x.div(), x.curl(), ...
 //
 // With covariant derivatives D_1, D_2 along the face frame, P integrates D_1 - i D_2 and Q integrates D_1 + i D_2. P u
 // is an (n-1)-vector and Q u an (n+1)-vector in the face frames. The same components on a mesh s times as large
@@ -22,6 +22,9 @@
 #include "alcap/mesh.h"
 
 namespace alcap {
+
+class Surface;
+class ConnectedSurface;
 
 /// How the integral over a face is taken.
 enum class OperatorKind {
@@ -45,7 +48,10 @@ struct FirstOrderOperators {
 };
 
 /// Builds P and Q. O(F), parallel, bitwise independent of threads. Edge-based operators of a trivial connection take
-/// values from edges to faces by the connection (alpha) and integrate along the edge's true direction.
+/// values from edges to faces by the connection (alpha) and integrate along the edge's true direction. The second form
+/// is for those who own the parts, here and below.
+[[nodiscard]] FirstOrderOperators first_order_operators(const ConnectedSurface& surface,
+                                                        const OperatorOptions& options = {});
 [[nodiscard]] FirstOrderOperators first_order_operators(const Mesh& mesh, const Geometry& geometry,
                                                         const Connection& connection,
                                                         const OperatorOptions& options = {});
@@ -72,12 +78,16 @@ struct OperatorEnergies {
   double holomorphic = 0;      ///< E_H, vanishes where the reflected pair does
   [[nodiscard]] double dirichlet() const { return (antiholomorphic + holomorphic) / 2; }  ///< 1/2 integral |grad u|^2
 };
+[[nodiscard]] OperatorEnergies operator_energies(const Surface& surface, const FirstOrderOperators& operators,
+                                                 const ComplexVectorX<double>& u);
 [[nodiscard]] OperatorEnergies operator_energies(const Mesh& mesh, const Geometry& geometry,
                                                  const FirstOrderOperators& operators, const ComplexVectorX<double>& u);
 
 /// Flux through halfedge h out of its face, plus i times the circulation along it, of a vector field (n = 1) with
 /// vertex components u. The twin has the negative. The sum over a face's halfedges is the edge-based (P u)_t unless the
 /// connection has adjustment angles (alpha).
+[[nodiscard]] Complex<double> flux_and_circulation(const ConnectedSurface& surface, const ComplexVectorX<double>& u,
+                                                   Index h);
 [[nodiscard]] Complex<double> flux_and_circulation(const Mesh& mesh, const Geometry& geometry,
                                                    const Connection& connection, const ComplexVectorX<double>& u,
                                                    Index h);
@@ -114,6 +124,7 @@ struct FaceField {
 };
 
 /// The n-field with vertex components u (#V) inside face t.
+[[nodiscard]] FaceField face_field(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u, Index t);
 [[nodiscard]] FaceField face_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                                    const ComplexVectorX<double>& u, Index t);
 

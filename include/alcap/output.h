@@ -2,8 +2,7 @@
 //
 // output.h: n-vector fields to files that other programs read, and back. docs/file-formats.md describes every file.
 //
-//   alcap::write_field({.mesh = mesh, .V = V, .geometry = geometry, .connection = connection, .field = field,
-//                       .singularities = singularities}, "out/bunny.vtp");
+//   alcap::write_field({.surface = connected, .field = field, .singularities = singularities}, "out/bunny.vtp");
 //   alcap::FieldFile back = alcap::read_field("out/bunny.ply");   // u, n and frames bit for bit
 //
 // The extension picks the format:
@@ -21,10 +20,8 @@
 #include <string>
 #include <vector>
 
-#include "alcap/connection.h"
+#include "alcap/connected_surface.h"
 #include "alcap/field.h"
-#include "alcap/geometry.h"
-#include "alcap/mesh.h"
 #include "alcap/singularities.h"
 #include "alcap/streamlines.h"
 
@@ -36,12 +33,10 @@ struct FaceScalars {
   std::span<const double> values;  ///< #F
 };
 
-/// What the files are made of. Holds references: use it in the expression that creates it or keep all of it alive.
+/// What the files are made of. Refers to field, singularities and scalars: use it in the expression that creates it or
+/// keep them alive.
 struct FieldOutput {
-  const Mesh& mesh;
-  const Positions<double>& V;  ///< #V x 3
-  const Geometry& geometry;
-  const Connection& connection;                     ///< the one the field was made with
+  ConnectedSurface surface;                         ///< with the connection that the field was made with
   const Field& field;                               ///< per vertex, with frames
   std::span<const Singularity> singularities = {};  ///< of this field, all of them: find_singularities()
   std::span<const FaceScalars> face_scalars = {};   ///< for .vtp; besides "K" and "index", which are always there
@@ -49,7 +44,8 @@ struct FieldOutput {
 
 /// Writes the field in the format of the extension and returns the files written. Throws FileError (unknown extension:
 /// the message lists the known ones; folder missing, no permission, disk full) and OptionError (sizes that do not
-/// match, no frames, a value that is not finite). When it throws, no incomplete file is left behind.
+/// match, no frames, a value that is not finite, a surface that lies in no space). When it throws, no incomplete file
+/// is left behind.
 std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file);
 
 /// The same for several files, written side by side; what they share, such as the field at the faces, is computed once.

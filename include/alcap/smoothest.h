@@ -3,7 +3,7 @@
 // smoothest.h: fields from energies (LTGD 2016, Sec. 7): the smallest eigenvector of the connection Laplacian, one
 // component at a time.
 //
-//   auto result = alcap::smoothest_field(mesh, geometry, connection, frames, {.n = 4});
+//   auto result = alcap::smoothest_field(connected, {.n = 4});
 //   result.field.u, result.components[0].lambda ...
 #pragma once
 
@@ -15,6 +15,8 @@
 #include "alcap/topology.h"
 
 namespace alcap {
+
+class ConnectedSurface;
 
 struct SmoothestOptions {
   int n = 1;  // 1 vector field, 2 line field, 4 cross field
@@ -32,14 +34,13 @@ struct SmoothestResult {
 };
 
 /// The smoothest n-vector field: per component the smallest eigenpair of E_s against the mass matrix, with |u|_M = 1.
-/// Throws OptionError for n < 1 or s outside [-1, 1]. Non-convergence is reported, not thrown.
+/// Throws OptionError for n < 1 or s outside [-1, 1]. Non-convergence is reported, not thrown. The field has the frames
+/// of the surface, made after the solve, which takes the most memory; none where the surface lies in no space.
+[[nodiscard]] SmoothestResult smoothest_field(const ConnectedSurface& surface, const SmoothestOptions& options = {});
+
+/// The same for those who own the parts. The frames may be empty and set afterwards.
 [[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
                                               std::shared_ptr<const Frames> frames,
-                                              const SmoothestOptions& options = {});
-
-/// The same with the topology of the mesh, where the caller has it. The frames may be empty and set afterwards.
-[[nodiscard]] SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                                              const Topology& topology, std::shared_ptr<const Frames> frames,
                                               const SmoothestOptions& options = {});
 
 }  // namespace alcap

@@ -3,7 +3,7 @@
 // streamlines.h: integral curves of n-fields on the surface: through given points, evenly spaced over everything, and
 // the separatrices that leave singularities.
 //
-//   const alcap::CurveSet curves = alcap::streamlines(mesh, V, geometry, connection, field, {.spacing = 0.01});
+//   const alcap::CurveSet curves = alcap::streamlines(connected, field, {.spacing = 0.01});
 //   for (std::int64_t k = 0; k < curves.size(); ++k)
 //     for (std::int64_t i = curves.offsets[k]; i < curves.offsets[k + 1]; ++i) draw(curves.points.row(i));
 //
@@ -23,6 +23,8 @@
 #include "alcap/strokes.h"
 
 namespace alcap {
+
+class ConnectedSurface;
 
 /// Why a curve ends where it does.
 enum class CurveEnd {
@@ -83,24 +85,21 @@ struct StreamlineOptions {
 /// has two families, an n-field n / 2 (n odd: n); curves of different families may cross. Distances are measured in
 /// space between points whose normals differ by less than a right angle, to within a tenth of `spacing`. Seeds are
 /// taken in a fixed order in rounds, traced in parallel, and accepted in that order. Throws OptionError for bad
-/// options, sizes that do not match, values that are not finite.
-[[nodiscard]] CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                   const Connection& connection, const Field& field,
+/// options, sizes that do not match, values that are not finite, and on a surface that lies in no space.
+[[nodiscard]] CurveSet streamlines(const ConnectedSurface& surface, const Field& field,
                                    const StreamlineOptions& options = {});
 
 /// One curve per seed, in order, whatever the distances. A curve whose seed lies at a zero of the field has this one
 /// point. Throws OptionError as above, and naming the seed when it is not a point of the surface.
-[[nodiscard]] CurveSet trace_curves(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                    const Connection& connection, const Field& field, std::span<const CurveSeed> seeds,
-                                    const StreamlineOptions& options = {});
+[[nodiscard]] CurveSet trace_curves(const ConnectedSurface& surface, const Field& field,
+                                    std::span<const CurveSeed> seeds, const StreamlineOptions& options = {});
 
 /// The curves that leave singularities straight: from each singularity, in order, one for every direction in which the
 /// field near it points away from its centre, or, for odd n, also towards it. A singularity of index k n-ths has
 /// |n - k| of them (for odd n of either kind) when it is as round as its index allows; a flattened one of positive
 /// index can have more. Where n = k (sources, sinks and centres of vector fields) no direction is special: none. Points
 /// are in the order of tracing, from the singularity.
-[[nodiscard]] CurveSet separatrices(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                    const Connection& connection, const Field& field,
+[[nodiscard]] CurveSet separatrices(const ConnectedSurface& surface, const Field& field,
                                     std::span<const Singularity> singularities, const StreamlineOptions& options = {});
 
 }  // namespace alcap

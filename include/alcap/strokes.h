@@ -3,9 +3,9 @@
 // strokes.h: polylines on the surface, cut into segments that each lie inside one face. Strokes that fields are aligned
 // with come from points on faces, from paths of vertices, or from polylines in space.
 //
-//   auto line = alcap::stroke_through_points(mesh, V, geometry, {{12, {0.2, 0.3, 0.5}}, {840, {0.1, 0.1, 0.8}}});
-//   auto edges = alcap::stroke_along_vertices(mesh, geometry, {0, 17, 55});
-//   auto drawn = alcap::stroke_from_space(mesh, V, geometry, points);    // #points x 3, anywhere near the surface
+//   auto line = alcap::stroke_through_points(surface, {{12, {0.2, 0.3, 0.5}}, {840, {0.1, 0.1, 0.8}}});
+//   auto edges = alcap::stroke_along_vertices(surface, {0, 17, 55});
+//   auto drawn = alcap::stroke_from_space(surface, points);    // #points x 3, anywhere near the surface
 //   for (const alcap::SurfaceSegment& s : line.segments) { ... s.face, s.tangent, s.length ... }
 //
 // Between two points a stroke follows the plane that holds both and the mean of their faces' normals, from face to
@@ -19,6 +19,8 @@
 #include "alcap/mesh.h"
 
 namespace alcap {
+
+class Surface;
 
 /// A point of the surface: barycentric coordinates, summing to 1, in a face.
 struct SurfacePoint {
@@ -53,19 +55,17 @@ struct SurfacePolyline {
 /// repeated points count once. A last point equal to the first closes the stroke. Throws OptionError for bad points,
 /// for fewer than two different ones, and, naming the two points, where the stroke leaves the surface (at a boundary,
 /// or because the two lie on different components or the plane misses the second one: points between them help).
-[[nodiscard]] SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>& V,
-                                                    const Geometry& geometry, const std::vector<SurfacePoint>& points);
+[[nodiscard]] SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<SurfacePoint>& points);
 
 /// Along edges. Consecutive vertices that no edge joins are joined by a shortest path of edges (Dijkstra 1959). Throws
 /// OptionError for vertices that no face uses, fewer than two different ones, or two on different components.
-[[nodiscard]] SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry& geometry,
-                                                    const std::vector<Index>& vertices);
+[[nodiscard]] SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<Index>& vertices);
 
 /// Closest points on a mesh, by a tree of boxes. O(F log F) to build; queries are const, fit for several threads.
 class SurfaceLocator {
  public:
-  /// Copies what it needs. V is #V x 3.
-  SurfaceLocator(const Mesh& mesh, const Positions<double>& V);
+  /// Copies what it needs. Throws OptionError on a surface that lies in no space.
+  explicit SurfaceLocator(const Surface& surface);
   /// The point of the surface that is closest to `point`; among equals the one in the smallest face. O(log F) usually.
   /// Throws OptionError when `point` is not finite or beyond 1e150.
   [[nodiscard]] SurfacePoint closest(const Eigen::RowVector3d& point) const;
@@ -84,9 +84,8 @@ class SurfaceLocator {
 
 /// A polyline in space (one point a row), each point moved to the closest one of the surface, then as
 /// stroke_through_points(). The second form uses a locator made before.
-[[nodiscard]] SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+[[nodiscard]] SurfacePolyline stroke_from_space(const Surface& surface, const Positions<double>& points);
+[[nodiscard]] SurfacePolyline stroke_from_space(const Surface& surface, const SurfaceLocator& locator,
                                                 const Positions<double>& points);
-[[nodiscard]] SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                                const SurfaceLocator& locator, const Positions<double>& points);
 
 }  // namespace alcap

@@ -34,13 +34,17 @@ class Surface {
       : Surface(Made{}, as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F))) {}
 
   /// An intrinsic surface, from the lengths of its edges (#E, in the order of the mesh's edges), such as a flat torus.
-  /// It lies in no space: V() is empty, and what needs positions throws OptionError.
-  [[nodiscard]] static Surface from_lengths(Mesh mesh, const VectorX<double>& lengths);
+  /// Without V it lies in no space, and what needs positions throws OptionError. With V (#V x 3) that is where vertices
+  /// are drawn, such as those of an intrinsic triangulation, though edges are as long as `lengths` says. Throws
+  /// MeshError as Geometry::from_lengths, OptionError when V has another number of rows.
+  [[nodiscard]] static Surface from_lengths(Mesh mesh, const VectorX<double>& lengths, Positions<double> V = {});
 
   /// Whether there are points.
   [[nodiscard]] bool in_space() const { return parts_->V.rows() > 0; }
   [[nodiscard]] const Positions<double>& V() const { return parts_->V; }  ///< #V x 3; empty on an intrinsic surface
-  [[nodiscard]] const Faces& F() const { return parts_->mesh.F(); }       ///< #F x 3
+  /// V(), or OptionError on an intrinsic surface: for functions that need points.
+  [[nodiscard]] const Positions<double>& positions() const;
+  [[nodiscard]] const Faces& F() const { return parts_->mesh.F(); }  ///< #F x 3
   [[nodiscard]] const Mesh& mesh() const { return parts_->mesh; }
   [[nodiscard]] const Geometry& geometry() const { return parts_->geometry; }
   [[nodiscard]] const Topology& topology() const { return parts_->topology; }

@@ -6,9 +6,8 @@
 // of its halfedges h into face(twin(h)). Everything is numbered by first appearance in the faces, so the result depends
 // on nothing but the faces.
 //
-//   const alcap::Topology topology = alcap::find_topology(mesh);
-//   for (const auto& c : topology.components) { ... c.genus, c.boundary_loops ... }
-//   const std::vector<alcap::Loop> generators = alcap::homology_generators(mesh, topology);
+//   for (const auto& c : surface.topology().components) { ... c.genus, c.boundary_loops ... }
+//   const std::vector<alcap::Loop> generators = alcap::homology_generators(surface);
 #pragma once
 
 #include <vector>
@@ -16,6 +15,8 @@
 #include "alcap/mesh.h"
 
 namespace alcap {
+
+class Surface;
 
 /// A closed path given by the halfedges it follows (a boundary loop) or crosses (a generator), in order.
 struct Loop {
@@ -62,6 +63,7 @@ struct Topology {
 /// the greedy sense: shortest among the cycles through the first face before the parts passed twice are cut away.
 /// Tree-cotree decomposition (Eppstein 2003) with a breadth-first cotree and a maximum tree (Erickson and Whittlesey
 /// 2005), each boundary loop shrunk to a point. O(F log V) at worst, no work for genus 0.
+[[nodiscard]] std::vector<Loop> homology_generators(const Surface& surface);
 [[nodiscard]] std::vector<Loop> homology_generators(const Mesh& mesh, const Topology& topology);
 
 /// A part of a mesh as a mesh of its own, and where its elements come from.
@@ -72,12 +74,14 @@ struct Piece {
   std::vector<Index> vertices, faces;
 };
 
-/// One component as a mesh of its own; elements keep their order. V is #V x 3 with the vertices of `mesh`. O(V + F).
-/// Throws OptionError when there is no such component.
+/// One component as a mesh of its own; elements keep their order. O(V + F). Throws OptionError when there is no such
+/// component. The second form is for those who own the parts; V is #V x 3 with the vertices of `mesh`.
+[[nodiscard]] Piece extract_component(const Surface& surface, Index component);
 [[nodiscard]] Piece extract_component(const Mesh& mesh, const Positions<double>& V, const Topology& topology,
                                       Index component);
 
 /// All components, each as extract_component() gives it, O(V + F) altogether.
+[[nodiscard]] std::vector<Piece> split_components(const Surface& surface);
 [[nodiscard]] std::vector<Piece> split_components(const Mesh& mesh, const Positions<double>& V,
                                                   const Topology& topology);
 

@@ -133,6 +133,10 @@ Complex<double> Frames::component(Index element, const Eigen::Matrix<double, 1, 
   return {w.dot(X.row(element)), w.dot(Y(element))};
 }
 
+bool Frames::operator==(const Frames& other) const {
+  return X.rows() == other.X.rows() && N.rows() == other.N.rows() && X == other.X && N == other.N;
+}
+
 Frames vertex_frames(const Mesh& mesh, const Positions<double>& V, const Connection& connection) {
   return vertex_frames(mesh, V, Geometry(mesh, V), connection);
 }

@@ -312,6 +312,7 @@ Connection trivial(const Mesh& mesh, const Geometry& geometry, const std::vector
   Connection c = detail::build_connection(mesh, geometry, curvature, alpha, PolarCenter::incenter, residuals);
   detail::optimise_globally(mesh, geometry, options.global, true, c, residuals);
   c.kind = ConnectionKind::trivial;
+  c.cones = cones;
   return c;
 }
 

@@ -141,6 +141,14 @@ void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, cons
   parallel_for(S.nonZeros(), [&](std::int64_t k) { S.valuePtr()[k] -= s * difference.valuePtr()[k]; });
 }
 
+StiffnessMass energy_matrices(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                              double s) {
+  const HermitianPattern pattern(mesh);
+  StiffnessMass matrices = stiffness_and_mass(mesh, pattern, geometry, connection, n);
+  apply_energy_family(mesh, pattern, geometry, connection, n, s, matrices.S);
+  return matrices;
+}
+
 FieldEnergies field_energies(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                              const ComplexVectorX<double>& u) {
   const HermitianPattern pattern(mesh);

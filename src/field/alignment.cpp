@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "alcap/connected_surface.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -33,12 +34,14 @@ double third_of_faces(const Mesh& mesh, const Geometry& geometry, Index v) {
 
 }  // namespace
 
-Field curvature_field(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                      const Connection& connection, std::shared_ptr<const Frames> frames,
-                      const CurvatureOptions& options) {
+Field curvature_field(const ConnectedSurface& surface, const CurvatureOptions& options) {
   if (options.n < 2 || options.n % 2 != 0)
     throw OptionError("n", std::to_string(options.n), "principal directions are lines: n must be even");
   if (options.rings < 0) throw OptionError("rings", std::to_string(options.rings), "must not be negative");
+  const Positions<double>& V = surface.positions();
+  const Mesh& mesh = surface.mesh();
+  const Geometry& geometry = surface.geometry();
+  const Connection& connection = surface.connection();
   const Index count = mesh.vertices();
   VectorX<double> bending(mesh.edges()), area(count);
   parallel_for(mesh.edges(), [&](std::int64_t e) {
@@ -77,7 +80,7 @@ Field curvature_field(const Mesh& mesh, const Positions<double>& V, const Geomet
       q[v] = weight > 0 ? sum / weight : C(0);
     });
   }
-  Field field{.n = options.n, .u = ComplexVectorX<double>(count), .frames = std::move(frames)};
+  Field field{.n = options.n, .u = ComplexVectorX<double>(count), .frames = surface.frames()};
   const int turns = options.n / 2;
   const double offset = options.smallest ? turns * pi<double> : 0.0;
   for (Index v = 0; v < count; ++v) field.u[v] = std::polar(std::abs(q[v]), turns * std::arg(q[v]) + offset);

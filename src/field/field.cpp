@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 
+#include "alcap/connected_surface.h"
 #include "src/base/parallel.h"
 #include "src/field/branches.h"
 #include "src/simd/angles.h"
@@ -70,14 +71,24 @@ Field from_vectors(int n, const Positions<double>& vectors, std::shared_ptr<cons
   return field;
 }
 
-Field at_faces(const Mesh& mesh, const Geometry&, const Connection& connection, const Field& field,
-               std::shared_ptr<const Frames> face_frames) {
+Field on_frames(const Field& field, std::shared_ptr<const Frames> frames) {
+  check_frames(field);
+  if (frames && *field.frames == *frames) return {field.n, field.u, std::move(frames)};
+  Field moved = from_vectors(field.n, field.vectors(0), std::move(frames));
+  parallel_for(moved.u.size(),
+               [&](std::int64_t v) { moved.u[v] = std::polar(std::abs(field.u[v]), std::arg(moved.u[v])); });
+  return moved;
+}
+
+Field at_faces(const ConnectedSurface& surface, const Field& field) {
+  const Mesh& mesh = surface.mesh();
+  const Connection& connection = surface.connection();
   if (field.u.size() != mesh.vertices())
     throw OptionError("u", std::to_string(field.u.size()) + " entries",
                       "needs one entry per vertex of the mesh, " + std::to_string(mesh.vertices()));
   // kernels/basis.h at the barycenter, the phases of many corners at a time.
   constexpr std::int64_t block = 256;
-  Field out{field.n, ComplexVectorX<double>(mesh.faces()), std::move(face_frames)};
+  Field out{field.n, ComplexVectorX<double>(mesh.faces()), std::make_shared<const Frames>(face_frames(surface))};
   parallel_ranges(mesh.faces(), block, [&](std::int64_t begin, std::int64_t end) {
     std::array<double, 3 * block> angles;
     std::array<Complex<double>, 3 * block> phases;

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "alcap/connected_surface.h"
 #include "alcap/energies.h"
 #include "src/base/parallel.h"
 #include "src/field/component_blocks.h"
@@ -16,29 +17,15 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-}  // namespace
-
-SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                                std::shared_ptr<const Frames> frames, const SmoothestOptions& options) {
-  return smoothest_field(mesh, geometry, connection, find_topology(mesh), std::move(frames), options);
-}
-
-SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                                const Topology& topology, std::shared_ptr<const Frames> frames,
-                                const SmoothestOptions& options) {
+SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                      const Topology& topology, const SmoothestOptions& options) {
   if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
 
   const auto start = std::chrono::steady_clock::now();
   SmoothestResult result;
   result.field.n = options.n;
-  result.field.frames = std::move(frames);
   // Made in place: Eigen's sparse matrices copy when they are moved.
-  const StiffnessMass matrices = [&] {
-    const HermitianPattern pattern(mesh);
-    StiffnessMass m = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
-    apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, m.S);
-    return m;
-  }();
+  const StiffnessMass matrices = energy_matrices(mesh, geometry, connection, options.n, options.s);
   result.assembly_seconds = seconds_since(start);
 
   const auto solve_start = std::chrono::steady_clock::now();
@@ -69,6 +56,21 @@ SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, cons
         1);
   }
   result.eigen_seconds = seconds_since(solve_start);
+  return result;
+}
+
+}  // namespace
+
+SmoothestResult smoothest_field(const ConnectedSurface& surface, const SmoothestOptions& options) {
+  SmoothestResult result = solve(surface.mesh(), surface.geometry(), surface.connection(), surface.topology(), options);
+  if (surface.in_space()) result.field.frames = surface.frames();
+  return result;
+}
+
+SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                std::shared_ptr<const Frames> frames, const SmoothestOptions& options) {
+  SmoothestResult result = solve(mesh, geometry, connection, find_topology(mesh), options);
+  result.field.frames = std::move(frames);
   return result;
 }
 

@@ -1,5 +1,9 @@
 // SPDX-License-Identifier: MIT
+//
+// surface.cpp: a mesh made ready once, and the functions of topology.h on surfaces.
 #include "alcap/surface.h"
+
+#include <string>
 
 namespace alcap {
 
@@ -12,14 +16,35 @@ Surface::Surface(Made, Positions<double> V, Faces F) {
   parts_ = std::move(parts);
 }
 
-Surface Surface::from_lengths(Mesh mesh, const VectorX<double>& lengths) {
+Surface Surface::from_lengths(Mesh mesh, const VectorX<double>& lengths, Positions<double> V) {
+  if (V.rows() != 0 && V.rows() != mesh.vertices())
+    throw OptionError("V", std::to_string(V.rows()) + " rows",
+                      "needs one per vertex, " + std::to_string(mesh.vertices()) + ", or none");
   auto parts = std::make_shared<Parts>();
+  parts->V = std::move(V);
   parts->mesh = std::move(mesh);
   parts->topology = find_topology(parts->mesh);
   parts->geometry = Geometry::from_lengths(parts->mesh, lengths);
   Surface surface;
   surface.parts_ = std::move(parts);
   return surface;
+}
+
+const Positions<double>& Surface::positions() const {
+  if (!in_space()) throw OptionError("surface", "edge lengths alone", "needs positions in space");
+  return V();
+}
+
+std::vector<Loop> homology_generators(const Surface& surface) {
+  return homology_generators(surface.mesh(), surface.topology());
+}
+
+Piece extract_component(const Surface& surface, Index component) {
+  return extract_component(surface.mesh(), surface.positions(), surface.topology(), component);
+}
+
+std::vector<Piece> split_components(const Surface& surface) {
+  return split_components(surface.mesh(), surface.positions(), surface.topology());
 }
 
 }  // namespace alcap

@@ -17,9 +17,15 @@ Context::Context(FieldRunOptions options) : options_(std::move(options)) {
   options_.progress = {};
 }
 
-const FieldRun& Context::run(const Positions<double>& V, const Faces& F) {
+const FieldRun& Context::run(const Surface& surface) {
   run_ = {};  // one result at a time: its memory is taken up again by the next
-  run_ = run_field(V, F, options_);
+  run_ = run_field(surface, options_);
+  return run_;
+}
+
+const FieldRun& Context::run(Positions<double>&& V, Faces&& F) {
+  run_ = {};
+  run_ = run_field(std::move(V), std::move(F), options_);
   return run_;
 }
 

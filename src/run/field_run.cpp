@@ -51,18 +51,18 @@ void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
 }
 
 // Only boundary vertices can be where two pieces should have been one.
-void remark_separate_pieces(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
-                            std::vector<Remark>& remarks) {
-  if (mesh.boundary_edges() == 0) return;
+void remark_separate_pieces(const Surface& surface, std::vector<Remark>& remarks) {
+  const Mesh& mesh = surface.mesh();
+  if (mesh.boundary_edges() == 0 || !surface.in_space()) return;
   std::vector<Index> rim;
   for (Index v = 0; v < mesh.vertices(); ++v) {
     if (mesh.boundary_vertex(v)) rim.push_back(v);
   }
   Positions<double> points(static_cast<Eigen::Index>(rim.size()), 3);
-  for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Eigen::Index>(k)) = V.row(rim[k]);
+  for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Eigen::Index>(k)) = surface.V().row(rim[k]);
   const std::int64_t count = duplicate_positions(points);
   if (count == 0) return;
-  const auto pieces = static_cast<std::int64_t>(topology.components.size());
+  const auto pieces = static_cast<std::int64_t>(surface.topology().components.size());
   remarks.push_back(
       {.code = "separate_pieces",
        .message = plural(count, "boundary vertex lies", "boundary vertices lie") +
@@ -71,7 +71,9 @@ void remark_separate_pieces(const Positions<double>& V, const Mesh& mesh, const 
        .count = count});
 }
 
-void remark_slivers(const Geometry& geometry, const Mesh& mesh, std::vector<Remark>& remarks) {
+void remark_slivers(const Surface& surface, std::vector<Remark>& remarks) {
+  const Mesh& mesh = surface.mesh();
+  const Geometry& geometry = surface.geometry();
   const double least = parallel_reduce(
       geometry.angles().size(), pi<double>,
       [&](std::int64_t begin, std::int64_t end) { return geometry.angles().segment(begin, end - begin).minCoeff(); },
@@ -115,7 +117,7 @@ void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vect
 }
 
 void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
-  const ConnectionReport& connection = run.connection.report;
+  const ConnectionReport& connection = run.connection().report;
   if (!connection.converged) {
     remarks.push_back({.code = "connection_not_converged",
                        .message = "the connection did not reach its tolerance" +
@@ -140,7 +142,7 @@ void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::ve
 
 Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   Certificate certificate;
-  certificate.connection_converged = run.connection.report.converged;
+  certificate.connection_converged = run.connection().report.converged;
   certificate.eigen_converged =
       std::all_of(run.eigen.begin(), run.eigen.end(), [](const EigenReport& e) { return e.converged; });
   certificate.residual_small = std::all_of(run.eigen.begin(), run.eigen.end(), [&](const EigenReport& e) {
@@ -155,44 +157,49 @@ Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   return certificate;
 }
 
-FieldRun run_steps(const Positions<double>& V, Faces F, const FieldRunOptions& options) {
+/// Everything after the mesh.
+void compute(const FieldRunOptions& options, FieldRun& run, Stopwatch& watch, const Surface& surface) {
   const auto say = [&](const char* phase) {
     if (options.progress) options.progress(phase);
   };
-  FieldRun run;
-  Stopwatch watch;
-
-  say("mesh");
-  if (!options.repairs.empty()) F = apply_repairs(V, F, options.repairs, run.remarks);
-  run.mesh = Mesh(std::move(F), V.rows());
-  run.topology = find_topology(run.mesh);
-  run.geometry = Geometry(run.mesh, V);
-  for (Remark& remark : mesh_remarks(V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(remark));
+  for (Remark& remark : mesh_remarks(surface)) run.remarks.push_back(std::move(remark));
   run.times.mesh = watch.lap();
 
   say("connection");
-  run.cones = make_cones(run.mesh, run.geometry, options);
-  run.connection = make_connection(run.mesh, run.geometry, options, run.cones);
+  ConnectionOptions connection = options.connection;
+  connection.n = options.n;
+  run.surface = connect(surface, connection);
   run.times.connection = watch.lap();
 
   say("solve");
-  SmoothestResult result = smoothest_field(run.mesh, run.geometry, run.connection, run.topology, nullptr,
-                                           {.n = options.n, .s = options.s, .eigen = options.eigen});
+  SmoothestResult result = smoothest_field(run.surface, {.n = options.n, .s = options.s, .eigen = options.eigen});
   run.field = std::move(result.field);
   run.eigen = std::move(result.components);
   run.times.assembly = result.assembly_seconds;
-  run.times.eigen = std::max(0.0, watch.lap() - result.assembly_seconds);
+  run.times.eigen = result.eigen_seconds;
+  const double frames = std::max(0.0, watch.lap() - result.assembly_seconds - result.eigen_seconds);
 
   say("analysis");
-  // Only now: the solve, which takes the most memory, needs no frames.
-  run.field.frames = std::make_shared<const Frames>(vertex_frames(run.mesh, V, run.geometry, run.connection));
-  run.indices = face_indices(run.mesh, run.connection, run.field);
-  run.index_sums = index_sums(run.mesh, run.geometry, run.connection, run.field, run.indices, run.topology);
-  run.singularities = find_singularities(run.mesh, run.geometry, run.connection, run.field, run.indices);
+  run.indices = face_indices(run.surface, run.field);
+  run.index_sums = index_sums(run.surface, run.field, run.indices);
+  run.singularities = find_singularities(run.surface, run.field, run.indices);
   run.certificate = certify(run, options);
   remark_outcome(run, options, run.remarks);
   if (options.normalise) run.field = normalised(std::move(run.field));
-  run.times.analysis = watch.lap();
+  run.times.analysis = frames + watch.lap();
+}
+
+/// A run with the threads asked for, of the surface that `make` returns.
+template <class Make>
+FieldRun run_on(const FieldRunOptions& options, Make&& make) {
+  if (options.threads < 0 || options.threads > 4096)
+    throw OptionError("threads", std::to_string(options.threads), "must be 0 (all of the machine) or 1 to 4096");
+  FieldRun run;
+  run_with_threads(options.threads, [&] {
+    Stopwatch watch;
+    if (options.progress) options.progress("mesh");
+    compute(options, run, watch, make(run.remarks));
+  });
   return run;
 }
 
@@ -221,40 +228,12 @@ Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vecto
   return repaired;
 }
 
-std::vector<Cone> make_cones(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options) {
-  if (options.connection != ConnectionKind::trivial) return {};
-  return options.balance_cones ? balance_cones(mesh, geometry, options.cones, {.n = options.n}) : options.cones;
-}
-
-Connection make_connection(const Mesh& mesh, const Geometry& geometry, const FieldRunOptions& options,
-                           const std::vector<Cone>& cones) {
-  Connection connection;
-  switch (options.connection) {
-    case ConnectionKind::global:
-      return globally_optimal(mesh, geometry, options.global);
-    case ConnectionKind::local:
-      connection = locally_optimal(mesh, geometry);
-      break;
-    case ConnectionKind::polar:
-      connection = polar(mesh, geometry, options.polar);
-      break;
-    case ConnectionKind::trivial:
-      return trivial(mesh, geometry, cones,
-                     {.n = options.n,
-                      .generator_holonomy = options.generator_holonomy,
-                      .loop_index = options.loop_index,
-                      .global = options.global});
-  }
-  measure_deviation(mesh, geometry, options.global, connection);
-  return connection;
-}
-
-std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, const Topology& topology,
-                                 const Geometry& geometry) {
+std::vector<Remark> mesh_remarks(const Surface& surface) {
+  const Topology& topology = surface.topology();
   std::vector<Remark> remarks;
-  remark_unreferenced(mesh, remarks);
-  remark_separate_pieces(V, mesh, topology, remarks);
-  remark_slivers(geometry, mesh, remarks);
+  remark_unreferenced(surface.mesh(), remarks);
+  remark_separate_pieces(surface, remarks);
+  remark_slivers(surface, remarks);
   if (!topology.loops.empty()) {
     remarks.push_back(
         {.code = "boundary",
@@ -274,13 +253,18 @@ std::vector<Remark> mesh_remarks(const Positions<double>& V, const Mesh& mesh, c
   return remarks;
 }
 
-FieldRun run_field(const Positions<double>& V, Faces F, const FieldRunOptions& options) {
-  if (options.threads < 0 || options.threads > 4096) {
-    throw OptionError("threads", std::to_string(options.threads), "must be 0 (all of the machine) or 1 to 4096");
-  }
-  FieldRun run;
-  run_with_threads(options.threads, [&] { run = run_steps(V, std::move(F), options); });
-  return run;
+FieldRun run_field(const Surface& surface, const FieldRunOptions& options) {
+  if (!options.repairs.empty())
+    throw OptionError("repairs", std::to_string(options.repairs.size()) + " repairs",
+                      "work on points and triangles, before a surface is made of them");
+  return run_on(options, [&](std::vector<Remark>&) { return surface; });
+}
+
+FieldRun detail::run_field(Positions<double> V, Faces F, const FieldRunOptions& options) {
+  return run_on(options, [&](std::vector<Remark>& remarks) {
+    if (!options.repairs.empty()) F = apply_repairs(V, F, options.repairs, remarks);
+    return Surface(std::move(V), std::move(F));
+  });
 }
 
 }  // namespace alcap

@@ -55,11 +55,10 @@ struct Scene {
     for (Index v = 0; v < mesh.vertices(); ++v) out.u[v] = {random.uniform() - 0.5, random.uniform() - 0.5};
     return out;
   }
-  CurveSet even(const Field& f, const StreamlineOptions& o = {}) const {
-    return streamlines(mesh, V, geometry, connection, f, o);
-  }
+  [[nodiscard]] ConnectedSurface connected() const { return {Surface(V, mesh.F()), connection}; }
+  CurveSet even(const Field& f, const StreamlineOptions& o = {}) const { return streamlines(connected(), f, o); }
   CurveSet trace(const Field& f, std::vector<CurveSeed> seeds, const StreamlineOptions& o = {}) const {
-    return trace_curves(mesh, V, geometry, connection, f, seeds, o);
+    return trace_curves(connected(), f, seeds, o);
   }
   [[nodiscard]] Point corner(Index t, Index c) const { return V.row(mesh.F()(t, c)); }
 
@@ -181,6 +180,7 @@ TEST_CASE("On the flat torus the curves of parallel fields are straight and clos
   Positions<double> V(torus.vertices, 3);
   for (int i = 0; i < nu; ++i)
     for (int j = 0; j < nv; ++j) V.row(i * nv + j) << double(i) / nu, double(j) / nv, 0;
+  const ConnectedSurface surface(Surface::from_lengths(mesh, lengths, V), connection);
   const auto along = [&](Index h) {
     Point d = V.row(mesh.tip(h)) - V.row(mesh.tail(h));
     for (int c = 0; c < 2; ++c) d[c] -= std::nearbyint(d[c]);
@@ -201,8 +201,7 @@ TEST_CASE("On the flat torus the curves of parallel fields are straight and clos
         seeds.push_back({{t, {0.2, 0.5, 0.3}}, angle - std::atan2(d[1], d[0])});
         seeds.push_back({{t, {0, 1, 0}}, angle - std::atan2(d[1], d[0])});
       }
-      const CurveSet c =
-          trace_curves(mesh, V, geometry, connection, f, seeds, {.max_length = 4, .sides = CurveSides::forward});
+      const CurveSet c = trace_curves(surface, f, seeds, {.max_length = 4, .sides = CurveSides::forward});
       const bool rational = slope != std::sqrt(2.0);
       const double expected =
           rational ? std::sqrt(1 + slope * slope) * (slope == 0.5 ? 2 : 1) : 4 * V.row(nu * nv - 1).norm();
@@ -252,11 +251,10 @@ TEST_CASE("Back from the end a curve returns to its start") {
     const FieldRun run = run_field(bumpy_sphere(3, 0.3, 3).V, bumpy_sphere(3, 0.3, 3).F, {.n = n});
     const Scene s(bumpy_sphere(3, 0.3, 3));
     const auto trace = [&](const std::vector<CurveSeed>& seeds, double length, CurveSides sides) {
-      return trace_curves(run.mesh, s.V, run.geometry, run.connection, run.field, seeds,
-                          {.max_length = length, .tolerance = 1e-9, .sides = sides});
+      return trace_curves(run.surface, run.field, seeds, {.max_length = length, .tolerance = 1e-9, .sides = sides});
     };
     std::vector<CurveSeed> seeds;
-    for (Index t = 0; t < run.mesh.faces(); t += 41) seeds.push_back({{t, middle}, 0.7});
+    for (Index t = 0; t < run.mesh().faces(); t += 41) seeds.push_back({{t, middle}, 0.7});
     const CurveSet there = trace(seeds, 0.3, CurveSides::forward);
     check_well_formed(s, there);
     const double diagonal = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm();
@@ -288,7 +286,7 @@ TEST_CASE("Segments run along a branch of the field that FaceField evaluates") {
     const MeshData surface = torus(24, 12, 1, 0.4);
     const FieldRun run = run_field(surface.V, surface.F, {.n = n});
     const Scene s(surface);
-    const CurveSet c = streamlines(run.mesh, s.V, run.geometry, run.connection, run.field, {.spacing = 0.05});
+    const CurveSet c = streamlines(run.surface, run.field, {.spacing = 0.05});
     check_well_formed(s, c);
     REQUIRE(c.size() > 3);
     double worst = 0;
@@ -300,7 +298,7 @@ TEST_CASE("Segments run along a branch of the field that FaceField evaluates") {
         const Point origin = s.corner(t, 0), e = s.corner(t, 1) - origin, g = s.corner(t, 2) - origin, m = e.cross(g);
         const Point y = (a + b) / 2 - origin;
         const double b1 = y.cross(g).dot(m) / m.squaredNorm(), b2 = e.cross(y).dot(m) / m.squaredNorm();
-        const auto at = face_field(run.mesh, run.geometry, run.connection, n, run.field.u, t).at({1 - b1 - b2, b1, b2});
+        const auto at = face_field(run.surface, n, run.field.u, t).at({1 - b1 - b2, b1, b2});
         const Point axis = e.normalized(), other = m.normalized().cross(axis);
         const Complex<double> d((b - a).dot(axis), (b - a).dot(other));
         worst = std::max(worst, std::abs(wrap(n * std::arg(d) - std::arg(at.u))) / n);
@@ -347,7 +345,7 @@ TEST_CASE("Evenly spaced curves keep their distance and leave no gaps") {
     const Scene s(surface);
     const double diagonal = (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm();
     for (const double spacing : {0.05, 0.03}) {
-      const CurveSet c = streamlines(run.mesh, s.V, run.geometry, run.connection, run.field, {.spacing = spacing});
+      const CurveSet c = streamlines(run.surface, run.field, {.spacing = spacing});
       check_well_formed(s, c);
       const Spread d = spread(s, c, spacing * diagonal);
       CAPTURE(n);
@@ -393,7 +391,7 @@ TEST_CASE("Separatrices are the straight branches of known singularities") {
       const auto zeros = find_singularities(s.mesh, s.geometry, s.connection, f);
       REQUIRE(zeros.size() == 1);
       REQUIRE(zeros[0].index == known.index);
-      const CurveSet c = separatrices(s.mesh, s.V, s.geometry, s.connection, f, zeros);
+      const CurveSet c = separatrices(s.connected(), f, zeros);
       check_well_formed(s, c);
       CAPTURE(known.n);
       CAPTURE(known.index);
@@ -442,7 +440,7 @@ TEST_CASE("Curves end, finite and on the surface, on slivers, at vertices and fo
         CHECK(c.length(k) <= 2.001 * (s.V.colwise().maxCoeff() - s.V.colwise().minCoeff()).norm());
       if (n != 4) check_well_formed(s, s.even(f, {.spacing = 0.1}));
       const auto zeros = find_singularities(s.mesh, s.geometry, s.connection, f);
-      check_well_formed(s, separatrices(s.mesh, s.V, s.geometry, s.connection, f, zeros, {.max_length = 0.3}));
+      check_well_formed(s, separatrices(s.connected(), f, zeros, {.max_length = 0.3}));
     }
   }
 }
@@ -452,7 +450,7 @@ TEST_CASE("Smooth fields on slivers do not get stuck") {
     for (const int n : {1, 2, 4}) {
       const FieldRun run = run_field(surface.V, surface.F, {.n = n});
       const Scene s(surface);
-      const CurveSet c = trace_curves(run.mesh, s.V, run.geometry, run.connection, run.field, seeds_everywhere(s, 23));
+      const CurveSet c = trace_curves(run.surface, run.field, seeds_everywhere(s, 23));
       check_well_formed(s, c);
       std::int64_t stuck = 0;
       for (const auto* reasons : {&c.start_reason, &c.end_reason})
@@ -483,8 +481,8 @@ TEST_CASE("Curves do not depend on the number of threads") {
   const MeshData surface = bumpy_sphere(4, 0.2, 3);
   const FieldRun run = run_field(surface.V, surface.F, {.n = 4});
   const auto all = [&] {
-    CurveSet c = streamlines(run.mesh, surface.V, run.geometry, run.connection, run.field, {.spacing = 0.02});
-    c.append(separatrices(run.mesh, surface.V, run.geometry, run.connection, run.field, run.singularities));
+    CurveSet c = streamlines(run.surface, run.field, {.spacing = 0.02});
+    c.append(separatrices(run.surface, run.field, run.singularities));
     return c;
   };
   CurveSet one, four;
@@ -504,7 +502,7 @@ TEST_CASE("Curves scale with the mesh") {
   const auto curves = [&](double scale) {
     const Positions<double> V = scale * surface.V;
     const FieldRun run = run_field(V, surface.F, {.n = 2});
-    return streamlines(run.mesh, V, run.geometry, run.connection, run.field, {.spacing = 0.03});
+    return streamlines(run.surface, run.field, {.spacing = 0.03});
   };
   const CurveSet a = curves(1), b = curves(1024);  // a power of two: exactly the same numbers but for the eigenvector
   CHECK(a.size() == b.size());

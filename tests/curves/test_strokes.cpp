@@ -21,16 +21,17 @@ using Row = Eigen::RowVector3d;
 struct Case : test::MeshCase {
   using MeshCase::MeshCase;
   Frames frames = face_frames(mesh, surface.V);
+  [[nodiscard]] Surface whole() const { return {surface.V, surface.F}; }
   [[nodiscard]] Row at(Index face, const std::array<double, 3>& b) const {
     Row x = Row::Zero();
     for (Index c = 0; c < 3; ++c) x += b[static_cast<std::size_t>(c)] * surface.V.row(mesh.F()(face, c));
     return x;
   }
   [[nodiscard]] SurfacePolyline through(const std::vector<SurfacePoint>& points) const {
-    return stroke_through_points(mesh, surface.V, geometry, points);
+    return stroke_through_points(whole(), points);
   }
   [[nodiscard]] SurfacePolyline drawn(const Positions<double>& points) const {
-    return stroke_from_space(mesh, surface.V, geometry, points);
+    return stroke_from_space(whole(), points);
   }
 };
 
@@ -225,7 +226,7 @@ TEST_CASE("straight through vertices and along edges of a grid, inside and on th
 
 TEST_CASE("projection agrees with brute force, near and far") {
   const Case s(bumpy_sphere(2, 0.3, 4));
-  const SurfaceLocator locator(s.mesh, s.surface.V);
+  const SurfaceLocator locator(s.whole());
   detail::Random random(5);
   for (int k = 0; k < 200; ++k) {
     const double reach = k % 4 == 0 ? 50 : 1.5;
@@ -255,7 +256,7 @@ TEST_CASE("projection agrees with brute force, near and far") {
 TEST_CASE("vertex paths follow edges, and the shortest ones between vertices that no edge joins") {
   const Case s(grid(5, 4, 5, 4));
   const auto vertex = [](int i, int j) { return j * 6 + i; };
-  const SurfacePolyline line = stroke_along_vertices(s.mesh, s.geometry, {vertex(0, 0), vertex(5, 0), vertex(5, 4)});
+  const SurfacePolyline line = stroke_along_vertices(s.whole(), {vertex(0, 0), vertex(5, 0), vertex(5, 4)});
   check_stroke(s, line);
   CHECK(line.length() == doctest::Approx(9));
   CHECK(line.segments.size() == 9);
@@ -263,13 +264,13 @@ TEST_CASE("vertex paths follow edges, and the shortest ones between vertices tha
     CHECK(*std::max_element(segment.a.begin(), segment.a.end()) == 1);
     CHECK(*std::max_element(segment.b.begin(), segment.b.end()) == 1);
   }
-  check_reversed(line, stroke_along_vertices(s.mesh, s.geometry, {vertex(5, 4), vertex(5, 0), vertex(0, 0)}));
+  check_reversed(line, stroke_along_vertices(s.whole(), {vertex(5, 4), vertex(5, 0), vertex(0, 0)}));
   // One diagonal of every quad exists: the way from corner to corner is 4 diagonals and one side, or 9 sides.
-  const double forth = stroke_along_vertices(s.mesh, s.geometry, {vertex(0, 0), vertex(5, 4)}).length();
-  const double cross = stroke_along_vertices(s.mesh, s.geometry, {vertex(5, 0), vertex(0, 4)}).length();
+  const double forth = stroke_along_vertices(s.whole(), {vertex(0, 0), vertex(5, 4)}).length();
+  const double cross = stroke_along_vertices(s.whole(), {vertex(5, 0), vertex(0, 4)}).length();
   CHECK(std::min(forth, cross) == doctest::Approx(4 * std::sqrt(2.0) + 1));
   CHECK(std::max(forth, cross) == doctest::Approx(9));
-  CHECK(stroke_along_vertices(s.mesh, s.geometry, {0, 1, vertex(1, 1), vertex(0, 1), 0}).closed);
+  CHECK(stroke_along_vertices(s.whole(), {0, 1, vertex(1, 1), vertex(0, 1), 0}).closed);
 }
 
 TEST_CASE("strokes that cannot be are refused with a reason") {
@@ -293,10 +294,10 @@ TEST_CASE("strokes that cannot be are refused with a reason") {
   // The same point in two faces.
   CHECK(message({{0, {1, 0, 0}}, {1, {1, 0, 0}}}).find("two different") != std::string::npos);
 
-  CHECK_THROWS_AS((void)stroke_along_vertices(s.mesh, s.geometry, {0}), OptionError);
-  CHECK_THROWS_AS((void)stroke_along_vertices(s.mesh, s.geometry, {0, 0}), OptionError);
-  CHECK_THROWS_AS((void)stroke_along_vertices(s.mesh, s.geometry, {0, 30}), OptionError);
-  CHECK_THROWS_AS((void)stroke_along_vertices(s.mesh, s.geometry, {0, -1}), OptionError);
+  CHECK_THROWS_AS((void)stroke_along_vertices(s.whole(), {0}), OptionError);
+  CHECK_THROWS_AS((void)stroke_along_vertices(s.whole(), {0, 0}), OptionError);
+  CHECK_THROWS_AS((void)stroke_along_vertices(s.whole(), {0, 30}), OptionError);
+  CHECK_THROWS_AS((void)stroke_along_vertices(s.whole(), {0, -1}), OptionError);
   CHECK_THROWS_AS((void)s.drawn(Positions<double>::Constant(2, 3, 0.5)), OptionError);
 
   // Across a hole: a flat ring.

@@ -25,9 +25,7 @@ using C = Complex<double>;
 
 struct Case : test::ConnectedCase {
   using ConnectedCase::ConnectedCase;
-  [[nodiscard]] Designer designer(const DesignerOptions& options) const {
-    return Designer(mesh, surface.V, geometry, connection, options);
-  }
+  [[nodiscard]] Designer designer(const DesignerOptions& options) const { return Designer(connected(), options); }
   [[nodiscard]] StiffnessMass matrices(int n) const {
     const HermitianPattern pattern(mesh);
     return stiffness_and_mass(mesh, pattern, geometry, connection, n);
@@ -45,7 +43,7 @@ struct Case : test::ConnectedCase {
       const double a = 0.3 + 0.3 * k;
       points.row(k) << 2 * std::cos(a), 1.2 * std::sin(a), 1.6 * std::sin(a);
     }
-    return stroke_from_space(mesh, surface.V, geometry, points);
+    return stroke_from_space(connected(), points);
   }
 };
 

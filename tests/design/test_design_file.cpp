@@ -84,12 +84,11 @@ std::string without(const std::string& object, const std::string& key) {
 
 struct Ball {
   MeshData surface = icosphere(3);
-  Mesh mesh{surface.F, surface.V.rows()};
-  Geometry geometry{mesh, surface.V};
-  Connection connection = polar(mesh, geometry);
-  Frames frames = vertex_frames(mesh, surface.V, connection);
+  ConnectedSurface connected = connect(Surface(surface.V, surface.F), {.kind = ConnectionKind::polar});
+  const Mesh& mesh = connected.mesh();
+  const Frames& frames = *connected.frames();
   [[nodiscard]] std::vector<DesignControl> controls(const DesignFile& d) const {
-    return design_controls(place_design(d, mesh, surface.V), mesh, surface.V, geometry, frames);
+    return design_controls(place_design(d, connected), connected);
   }
   [[nodiscard]] Eigen::RowVector3d at(Index t, const std::array<double, 3>& b) const {
     Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
@@ -387,7 +386,7 @@ TEST_CASE("points of space become the nearest face, vertex and barycentric coord
     d.singularities = {{.at = Vector3{x[0], x[1], x[2]}, .pin = true}};
     d.strokes = {{.points = {{.at = Vector3{x[0], x[1], x[2]}}, {.face = 3, .barycentric = {1, 0, 0}}}}};
     d.fixed = {{.at = Vector3{x[0], x[1], x[2]}, .angle = 0.0}};
-    const DesignFile placed = place_design(d, ball.mesh, ball.surface.V);
+    const DesignFile placed = place_design(d, ball.connected);
     CHECK(placed.singularities[0].face == t);
     CHECK((ball.at(t, *placed.singularities[0].barycentric) - x).norm() < 1e-12);
     CHECK(placed.strokes[0].points[0].face == t);
@@ -420,7 +419,8 @@ TEST_CASE("angles: swirl of vectors, directions from the first edge or a directi
     const Eigen::RowVector3d edge = ball.surface.V.row(ball.mesh.F()(9, 2)) - ball.surface.V.row(ball.mesh.F()(9, 1));
     const auto from =
         orientation(n, {.face = 9, .kind = K::saddle, .angle = 33, .relative_to = Vector3{edge[0], edge[1], edge[2]}});
-    CHECK(std::abs(wrap(from.orientation - 33 * degree - (pi<double> - ball.geometry.angles()[9 * 3 + 1]))) < 1e-12);
+    CHECK(std::abs(wrap(from.orientation - 33 * degree -
+                        (pi<double> - ball.connected.geometry().angles()[9 * 3 + 1]))) < 1e-12);
   }
   const auto side = [&](int k) {
     return Eigen::RowVector3d(ball.surface.V.row(ball.mesh.F()(9, k)) - ball.surface.V.row(ball.mesh.F()(9, 0)));

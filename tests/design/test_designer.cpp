@@ -19,9 +19,7 @@ using C = Complex<double>;
 
 struct Case : test::ConnectedCase {
   using ConnectedCase::ConnectedCase;
-  [[nodiscard]] Designer designer(const DesignerOptions& options) const {
-    return Designer(mesh, surface.V, geometry, connection, options);
-  }
+  [[nodiscard]] Designer designer(const DesignerOptions& options) const { return Designer(connected(), options); }
 };
 
 // Centers of faces met by walking through opposite edges: a polyline on the surface.
@@ -208,7 +206,7 @@ TEST_CASE("singular systems, empty designs and bad controls are refused with the
   CHECK_THROWS_AS((void)flat.designer({.n = 1}), OptionError);
   CHECK_NOTHROW((void)flat.designer({.n = 1, .guidance_weight = 1}));
   const auto parallel = trivial(sphere.mesh, sphere.geometry, {{0, 1}, {11, 1}}, {.n = 1});
-  CHECK_NOTHROW((void)Designer(sphere.mesh, sphere.surface.V, sphere.geometry, parallel, {.n = 1}));
+  CHECK_NOTHROW((void)Designer({Surface(sphere.surface.V, sphere.surface.F), parallel}, {.n = 1}));
   auto designer = sphere.designer({.n = 2});
   CHECK_THROWS_AS((void)designer.solve(), OptionError);
   const auto field_of = [&](Control c) -> std::string {
@@ -257,7 +255,7 @@ TEST_CASE("a traced line aligns the field in every face it crosses, however few 
     const double a = 0.3 + 0.3 * k;
     points.row(k) << 2 * std::cos(a), 1.2 * std::sin(a), 1.6 * std::sin(a);
   }
-  const SurfacePolyline line = stroke_from_space(s.mesh, s.surface.V, s.geometry, points);
+  const SurfacePolyline line = stroke_from_space(s.connected(), points);
   REQUIRE(line.segments.size() > 20);
   for (const int n : {1, 4}) {
     double last = 1e9;

@@ -25,11 +25,11 @@ struct Case : test::ConnectedCase {
   [[nodiscard]] SurfacePolyline stroke(const std::function<Row(double)>& curve, int pieces, double scale = 1) const {
     Positions<double> points(pieces + 1, 3);
     for (int k = 0; k <= pieces; ++k) points.row(k) = scale * curve(double(k) / pieces);
-    return stroke_from_space(mesh, surface.V, geometry, points);
+    return stroke_from_space(connected(), points);
   }
   [[nodiscard]] EigenDesignResult design(const std::vector<EigenStroke>& strokes,
                                          const EigenDesignOptions& options) const {
-    return eigen_design(mesh, geometry, connection, nullptr, {.strokes = strokes}, options);
+    return eigen_design(connected(), {.strokes = strokes}, options);
   }
 };
 
@@ -283,8 +283,7 @@ TEST_CASE("singularities as terms of the mass: index and orientation in the aske
                                                       {.face = 3 * step, .sign = 1, .orientation = 1.1}};
       std::vector<EigenDesignResult> results;
       for (const EigenPath path : {EigenPath::low_rank, EigenPath::real_view})
-        results.push_back(eigen_design(s.mesh, s.geometry, s.connection, nullptr, {.singularities = targets},
-                                       {.n = n, .path = path}));
+        results.push_back(eigen_design(s.connected(), {.singularities = targets}, {.n = n, .path = path}));
       CAPTURE(n);
       CAPTURE(surface.F.rows());
       for (const EigenDesignResult& result : results) {
@@ -301,9 +300,7 @@ TEST_CASE("singularities as terms of the mass: index and orientation in the aske
   }
   const Case s(icosphere(2));
   const auto refused = [&](const SingularityTarget& target) {
-    CHECK_THROWS_AS(
-        (void)eigen_design(s.mesh, s.geometry, s.connection, nullptr, {.singularities = {target}}, {.n = 1}),
-        OptionError);
+    CHECK_THROWS_AS((void)eigen_design(s.connected(), {.singularities = {target}}, {.n = 1}), OptionError);
   };
   refused({.face = -1});
   refused({.face = 1, .sign = 0});
@@ -317,9 +314,8 @@ TEST_CASE("strokes and singularities together, on the connection of the surface 
   for (const bool flat : {false, true}) {
     s.connection = flat ? trivial(s.mesh, s.geometry, {{0, 1.0}, {11, 1.0}}, {.n = 1}) : surface_connection;
     const SurfacePolyline line = s.stroke(great_circle, 40, 1.1);
-    const auto result =
-        eigen_design(s.mesh, s.geometry, s.connection, nullptr,
-                     {.strokes = {{.line = line}}, .singularities = {{.face = 900, .sign = -1}}}, {.n = 1});
+    const auto result = eigen_design(
+        s.connected(), {.strokes = {{.line = line}}, .singularities = {{.face = 900, .sign = -1}}}, {.n = 1});
     CHECK(result.components[0].converged);
     CHECK(result.singularities[0].index == -1);
     CHECK(result.singularities[0].met);

@@ -20,9 +20,7 @@ using Row = Eigen::RowVector3d;
 
 struct Case : test::FramedCase {
   using FramedCase::FramedCase;
-  [[nodiscard]] Field curvature(const CurvatureOptions& options) const {
-    return curvature_field(mesh, surface.V, geometry, connection, frames, options);
-  }
+  [[nodiscard]] Field curvature(const CurvatureOptions& options) const { return curvature_field(connected(), options); }
   // Angle between a field's nearest branch and a direction of space.
   [[nodiscard]] double off(const Field& field, Index v, const Row& direction) const {
     return std::abs(wrap(std::arg(field.u[v]) - field.n * std::arg(frames->component(v, direction)))) / field.n;
@@ -93,7 +91,7 @@ TEST_CASE("designs follow curvature the more, the smaller t is") {
     const Field q = s.curvature({.n = n});
     double last = -1;
     for (const double t : {0.0, -1.0, -10.0, -1000.0}) {
-      Designer designer(s.mesh, s.surface.V, s.geometry, s.connection, {.n = n, .t = t});
+      Designer designer(s.connected(), {.n = n, .t = t});
       designer.set_guidance(q.u);
       const Field u = normalised(designer.solve().field);
       double sum = 0, weights = 0;

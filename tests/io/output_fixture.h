@@ -81,10 +81,7 @@ struct Case {
     field = from_vectors(field.n, d, field.frames);
   }
   [[nodiscard]] FieldOutput output() const {
-    return {.mesh = mesh,
-            .V = surface.V,
-            .geometry = geometry,
-            .connection = connection,
+    return {.surface = {Surface(surface.V, surface.F), connection},
             .field = field,
             .singularities = singularities,
             .face_scalars = scalars};

@@ -135,8 +135,7 @@ TEST_CASE("rawfield: n tangent vectors per face, counter-clockwise, whose n-th p
     const Raw raw = read_raw(folder.path / "f.rawfield");
     REQUIRE(raw.n == n);
     REQUIRE(raw.rows.rows() == c.mesh.faces());
-    const auto frames = std::make_shared<const Frames>(face_frames(c.mesh, c.surface.V));
-    const Field faces = at_faces(c.mesh, c.geometry, c.connection, c.field, frames);
+    const Field faces = at_faces(c.output().surface, c.field);
     for (Index t = 0; t < c.mesh.faces(); ++t) {
       const Row normal = face_normal(c, t);
       const Row x = (c.surface.V.row(c.mesh.F()(t, 1)) - c.surface.V.row(c.mesh.F()(t, 0))).normalized();

@@ -21,13 +21,7 @@ std::map<std::string, std::string> files_of(const MeshData& s, const FieldRunOpt
   std::vector<fs::path> paths;
   for (const std::string& format : field_formats()) paths.push_back(folder.path / ("f." + format));
   run_with_threads(options.threads, [&] {
-    (void)write_field({.mesh = run.mesh,
-                       .V = s.V,
-                       .geometry = run.geometry,
-                       .connection = run.connection,
-                       .field = run.field,
-                       .singularities = run.singularities},
-                      paths);
+    (void)write_field({.surface = run.surface, .field = run.field, .singularities = run.singularities}, paths);
   });
   std::map<std::string, std::string> files;
   for (const std::string& name : folder.names()) files[name] = contents(folder.path / name);
@@ -53,7 +47,7 @@ TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
         const auto files = files_of(s, options, run);
         CHECK(run.field.u == one.field.u);
         CHECK(run.field.frames->X == one.field.frames->X);
-        CHECK(run.connection.K == one.connection.K);
+        CHECK(run.connection().K == one.connection().K);
         CHECK(run.indices == one.indices);
         CHECK(run.eigen[0].lambda == one.eigen[0].lambda);
         REQUIRE(files.size() == expected.size());
@@ -66,25 +60,49 @@ TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
   }
 }
 
-TEST_CASE("faces that are moved in become the faces of the mesh, without a copy") {
+TEST_CASE("points and faces that are moved in become those of the surface, without a copy") {
   MeshData s = jittered_sphere(3, 0.2, 1);
   const Faces F = s.F;
-  const Index* const place = s.F.data();
-  const FieldRun run = run_field(s.V, std::move(s.F));
-  CHECK(run.mesh.F() == F);
-  CHECK(run.mesh.F().data() == place);
+  const Index* const faces = s.F.data();
+  const double* const points = s.V.data();
+  const FieldRun run = run_field(std::move(s.V), std::move(s.F));
+  CHECK(run.mesh().F() == F);
+  CHECK(run.mesh().F().data() == faces);
+  CHECK(run.surface.V().data() == points);
+}
+
+TEST_CASE("a run on a surface is the run on its arrays, and arrays may be of any kind") {
+  const MeshData s = jittered_sphere(3, 0.2, 1);
+  const FieldRun run = run_field(s.V, s.F, {.n = 2});
+  const Surface surface(s.V, s.F);
+  const FieldRunOptions options{.n = 2};
+  const FieldRun other = run_field(surface, options);
+  CHECK(other.field.u == run.field.u);
+  CHECK(other.indices == run.indices);
+  CHECK(&other.mesh() == &surface.mesh());
+  const Eigen::MatrixXd V = s.V;  // column-major
+  const Eigen::Matrix<std::uint64_t, Eigen::Dynamic, 3> wide = s.F.cast<std::uint64_t>();
+  CHECK(run_field(V, wide, {.n = 2}).field.u == run.field.u);
+  CHECK_THROWS_AS((void)run_field(surface, {.repairs = {Repair::weld}}), OptionError);
+}
+
+TEST_CASE("a surface that lies in no space has a field without frames") {
+  const FlatTorus torus = flat_torus(12, 8);
+  const Mesh mesh(torus.F, torus.vertices);
+  VectorX<double> lengths(mesh.edges());
+  for (Index e = 0; e < mesh.edges(); ++e) lengths[e] = torus.lengths.data()[mesh.halfedge(e)];
+  const FieldRun run = run_field(Surface::from_lengths(mesh, lengths), {.n = 4});
+  CHECK(run.certificate.holds());
+  CHECK(run.singularities.empty());
+  CHECK(run.field.frames == nullptr);
+  CHECK_THROWS_AS((void)run.field.vectors(0), OptionError);
 }
 
 TEST_CASE("each file of a run appears with all the others or not at all") {
   const Folder folder;
   const MeshData s = jittered_sphere(3, 0.2, 1);
   const FieldRun run = run_field(s.V, s.F);
-  const FieldOutput output{.mesh = run.mesh,
-                           .V = s.V,
-                           .geometry = run.geometry,
-                           .connection = run.connection,
-                           .field = run.field,
-                           .singularities = run.singularities};
+  const FieldOutput output{.surface = run.surface, .field = run.field, .singularities = run.singularities};
   const fs::path good = folder.path / "good.ply", bad = folder.path / "missing" / "bad.vtp",
                  last = folder.path / "last.rosy";
   CHECK_THROWS_AS(write_field(output, std::vector<fs::path>{good, bad, last}), FileError);

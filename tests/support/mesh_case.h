@@ -7,7 +7,7 @@
 #include <memory>
 #include <utility>
 
-#include "alcap/connection.h"
+#include "alcap/connected_surface.h"
 #include "alcap/frames.h"
 #include "alcap/generators.h"
 #include "alcap/geometry.h"
@@ -26,6 +26,8 @@ struct MeshCase {
 struct ConnectedCase : MeshCase {
   using MeshCase::MeshCase;
   Connection connection = globally_optimal(mesh, geometry);
+  /// With the connection as it is now.
+  [[nodiscard]] ConnectedSurface connected() const { return {Surface(surface.V, surface.F), connection}; }
 };
 
 struct FramedCase : ConnectedCase {

@@ -77,9 +77,9 @@ Json line_of(const FieldRun& run, double seconds) {
     if (r.warning) warnings.push_back(r.code);
   }
   return {{"ok", run.certificate.holds()},
-          {"vertices", run.mesh.vertices()},
-          {"faces", run.mesh.faces()},
-          {"components", run.topology.components.size()},
+          {"vertices", run.mesh().vertices()},
+          {"faces", run.mesh().faces()},
+          {"components", run.topology().components.size()},
           {"lambda", number(lambda)},
           {"residual", number(residual)},
           {"singularities", run.singularities.size()},
@@ -118,14 +118,14 @@ class Lines {
   Json kept_ = Json::array();
 };
 
-void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const MeshFile& file, const FieldRun& run) {
+void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const FieldRun& run) {
   std::vector<std::filesystem::path> paths;
   for (const std::string& f : choice.formats) {
     std::string name = mesh.path.stem().string();
     name += "." + f;
     paths.push_back(choice.folder / name);
   }
-  write_guarded([&] { (void)write_field(output_of(run, file.V), paths); });
+  write_guarded([&] { (void)write_field(output_of(run), paths); });
 }
 
 /// The jobs share the cores among them. OpenBLAS, where it is what CHOLMOD calls, would start threads of its own in
@@ -183,9 +183,9 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
         const auto mesh_start = Clock::now();
         MeshChoice one = mesh;
         one.path = paths[static_cast<std::size_t>(i)];
-        const MeshFile read = read_choice(one);
-        const FieldRun& run = context.run(read.V, read.F);
-        if (!choice.folder.empty()) write_fields(choice, one, read, run);
+        MeshFile read = read_choice(one);
+        const FieldRun& run = context.run(std::move(read.V), std::move(read.F));
+        if (!choice.folder.empty()) write_fields(choice, one, run);
         Json line = head(i);
         line.update(line_of(run, seconds_since(mesh_start)));
         lines.add(i, std::move(line));

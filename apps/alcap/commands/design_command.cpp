@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 
+#include "alcap/cones.h"
 #include "alcap/memory.h"
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/commands/design_solve.h"
@@ -50,14 +51,14 @@ using Clock = std::chrono::steady_clock;
 double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
 
 Outcome explain(const DesignOptionsGiven& options, const MeshFile& file, const DesignFile& design,
-                const DesignFile& placed, const FieldRun& run) {
+                const DesignFile& placed, const Surface& surface, const std::vector<Remark>& remarks) {
   Outcome outcome{.report = report_head("design", true)};
   outcome.report["input"] = input_json(options.mesh.path, file);
-  outcome.report["mesh"] = mesh_json(run.mesh, run.topology, run.geometry);
+  outcome.report["mesh"] = mesh_json(surface);
   outcome.report["design"] = design_json(design);
-  outcome.report["plan"] = plan_json(placed, run.mesh);
-  outcome.report["warnings"] = remarks_json(run.remarks, true);
-  outcome.report["notes"] = remarks_json(run.remarks, false);
+  outcome.report["plan"] = plan_json(placed, surface.mesh());
+  outcome.report["warnings"] = remarks_json(remarks, true);
+  outcome.report["notes"] = remarks_json(remarks, false);
   outcome.text = plan_text(outcome.report["plan"]);
   return outcome;
 }
@@ -69,36 +70,34 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   if (!design.guidance.file.empty()) design.guidance.file = std::filesystem::absolute(design.guidance.file);
 
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
-  const MeshFile file = read_choice(options.mesh);
+  MeshFile file = read_choice(options.mesh);
   FieldRun run;
   RunSeconds times{.read = seconds(start)};
   auto lap = Clock::now();
-  run.mesh = Mesh(apply_repairs(file.V, file.F, options.mesh.repairs, run.remarks), file.V.rows());
-  run.topology = find_topology(run.mesh);
-  run.geometry = Geometry(run.mesh, file.V);
-  for (Remark& r : mesh_remarks(file.V, run.mesh, run.topology, run.geometry)) run.remarks.push_back(std::move(r));
-  DesignFile placed = place_design(design, run.mesh, file.V);
-  placed.connection.cones = make_cones(run.mesh, run.geometry, run_options(placed));
+  Faces F = apply_repairs(file.V, file.F, options.mesh.repairs, run.remarks);
+  const Surface surface(std::move(file.V), std::move(F));
+  for (Remark& r : mesh_remarks(surface)) run.remarks.push_back(std::move(r));
+  DesignFile placed = place_design(design, surface);
+  if (placed.connection.balance)
+    placed.connection.cones = balance_cones(surface, placed.connection.cones, {.n = placed.n});
   placed.connection.balance = false;
   run.times.mesh = seconds(lap);
-  if (options.explain) return explain(options, file, design, placed, run);
+  if (options.explain) return explain(options, file, design, placed, surface, run.remarks);
 
   progress.phase("finding the connection");
   lap = Clock::now();
-  const FieldRunOptions how = run_options(placed);
-  run.cones = placed.connection.cones;
-  run.connection = make_connection(run.mesh, run.geometry, how, run.cones);
-  const auto frames = std::make_shared<const Frames>(vertex_frames(run.mesh, file.V, run.geometry, run.connection));
-  const std::vector<DesignControl> controls = design_controls(placed, run.mesh, file.V, run.geometry, *frames);
+  const ConnectionOptions how = connection_options(placed);
+  run.surface = connect(surface, how);
+  const std::vector<DesignControl> controls = design_controls(placed, run.surface);
   run.times.connection = seconds(lap);
 
-  SolvedDesign solved = solve_design({placed, controls, file, run, frames, options.solver}, progress);
+  SolvedDesign solved = solve_design({placed, controls, run, options.solver}, progress);
   const DesignResult& result = solved.result;
   lap = Clock::now();
   run.field = result.field;
-  run.indices = face_indices(run.mesh, run.connection, run.field);
-  run.index_sums = index_sums(run.mesh, run.geometry, run.connection, run.field, run.indices, run.topology);
-  run.singularities = find_singularities(run.mesh, run.geometry, run.connection, run.field);
+  run.indices = face_indices(run.surface, run.field);
+  run.index_sums = index_sums(run.surface, run.field, run.indices);
+  run.singularities = find_singularities(run.surface, run.field, run.indices);
   Json asked = controls_json({placed, controls, result, run});
   run.times.analysis = seconds(lap);
 
@@ -106,7 +105,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const bool sums =
       std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
   const bool small = result.residual <= largest_residual, finite = run.field.u.allFinite();
-  const bool connected = run.connection.report.converged;
+  const bool connected = run.connection().report.converged;
   for (Remark& r : unmet_remarks(asked)) run.remarks.push_back(std::move(r));
   const auto warn = [&](bool fine, const char* code, const char* message) {
     if (!fine) run.remarks.push_back({.code = code, .message = message});
@@ -121,8 +120,8 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   Json report = report_head("design", ok);
   report["input"] = input_json(options.mesh.path, file);
   report["design"] = design_json(design);
-  report["mesh"] = mesh_json(run.mesh, run.topology, run.geometry);
-  report["connection"] = connection_json(run.mesh, run.geometry, run.connection, how);
+  report["mesh"] = mesh_json(run.surface);
+  report["connection"] = connection_json(run.surface, how);
   report["guidance"] = std::move(solved.guidance);
   report["solve"] = std::move(solved.solve);
   report["controls"] = std::move(asked);
@@ -143,7 +142,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
     write_design(folder / "design.json", design);
     return std::vector<std::string>{"design.json"};
   };
-  write_files(plan, options.files, output_of(run, file.V), write_asked,
+  write_files(plan, options.files, output_of(run), write_asked,
               [&](const std::vector<std::string>& files) -> const Json& {
                 report["times"] = {{"read", times.read},
                                    {"mesh", run.times.mesh},

@@ -28,15 +28,10 @@ ComplexVectorX<double> read_guidance(const DesignProblem& p) {
   };
   if (field.field.n != p.design.n)
     refuse(fmt::format("holds a field of n = {}, and the design has n = {}", field.field.n, p.design.n));
-  if (field.V.rows() != p.file.V.rows() || field.F.rows() != p.run.mesh.faces() ||
-      !((p.file.V - field.V).cwiseAbs().maxCoeff() <= 1e-6 * p.file.V.cwiseAbs().maxCoeff()))
+  if (field.V.rows() != p.run.surface.V().rows() || field.F.rows() != p.run.mesh().faces() ||
+      !((p.run.surface.V() - field.V).cwiseAbs().maxCoeff() <= 1e-6 * p.run.surface.V().cwiseAbs().maxCoeff()))
     refuse("holds a field on another mesh; give one that was computed on this mesh");
-  // Same frames: the numbers as they are. Otherwise the vectors in space are what counts, with their lengths.
-  if (field.field.frames->X == p.frames->X && field.field.frames->N == p.frames->N) return field.field.u;
-  Field moved = from_vectors(p.design.n, field.field.vectors(0), p.frames);
-  for (Eigen::Index v = 0; v < moved.u.size(); ++v)
-    moved.u[v] = std::polar(std::abs(field.field.u[v]), std::arg(moved.u[v]));
-  return moved.u;
+  return on_frames(field.field, p.run.surface.frames()).u;
 }
 
 /// The guidance field, scaled to root mean square length 1 over the surface; empty: none, or zero.
@@ -50,19 +45,17 @@ ComplexVectorX<double> find_guidance(const DesignProblem& p, SolvedDesign& out) 
   ComplexVectorX<double> u0;
   if (source == Source::none || source == Source::zero) return u0;
   if (source == Source::smoothest) {
-    SmoothestResult smooth = smoothest_field(p.run.mesh, p.run.geometry, p.run.connection, p.frames,
-                                             {.n = p.design.n, .s = p.design.s, .eigen = {.solver = p.solver}});
+    SmoothestResult smooth =
+        smoothest_field(p.run.surface, {.n = p.design.n, .s = p.design.s, .eigen = {.solver = p.solver}});
     out.converged = std::all_of(smooth.components.begin(), smooth.components.end(),
                                 [](const EigenReport& e) { return e.converged; });
     u0 = std::move(smooth.field.u);
   } else if (source == Source::file) {
     u0 = read_guidance(p);
   } else {
-    u0 = curvature_field(p.run.mesh, p.file.V, p.run.geometry, p.run.connection, p.frames,
-                         {.n = p.design.n, .smallest = source == Source::least_curvature})
-             .u;
+    u0 = curvature_field(p.run.surface, {.n = p.design.n, .smallest = source == Source::least_curvature}).u;
   }
-  const double size = root_mean_square(p.run.mesh, p.run.geometry, u0);
+  const double size = root_mean_square(p.run.surface, u0);
   if (!(size > 0) || !std::isfinite(size))
     throw Failure(Exit::input,
                   source == Source::file
@@ -95,13 +88,12 @@ void solve_variational(const DesignProblem& p, Progress& progress, SolvedDesign&
   lap = Clock::now();
   const DesignGuidance& guidance = p.design.guidance;
   const bool guided = guidance.source != Source::none;
-  Designer designer(p.run.mesh, p.file.V, p.run.geometry, p.run.connection,
-                    {.n = p.design.n,
-                     .guidance_weight = guided && !guidance.t ? guidance.weight : 0.0,
-                     .t = guidance.t,
-                     .s = p.design.s,
-                     .solver = p.solver,
-                     .right_hand_sides = right_hand_sides(p.controls)});
+  Designer designer(p.run.surface, {.n = p.design.n,
+                                    .guidance_weight = guided && !guidance.t ? guidance.weight : 0.0,
+                                    .t = guidance.t,
+                                    .s = p.design.s,
+                                    .solver = p.solver,
+                                    .right_hand_sides = right_hand_sides(p.controls)});
   for (const DesignControl& c : p.controls) {
     try {
       (void)designer.add(c.control);
@@ -135,8 +127,8 @@ void solve_eigen(const DesignProblem& p, Progress& progress, SolvedDesign& out) 
       controls.strokes.push_back({.line = stroke->line, .weight = stroke->weight});
   }
   progress.phase("solving");
-  EigenDesignResult result = eigen_design(p.run.mesh, p.run.geometry, p.run.connection, p.frames, controls,
-                                          {.n = p.design.n, .s = p.design.s, .eigen = {.solver = p.solver}});
+  EigenDesignResult result =
+      eigen_design(p.run.surface, controls, {.n = p.design.n, .s = p.design.s, .eigen = {.solver = p.solver}});
   out.prepare_seconds = result.assembly_seconds;
   out.solve_seconds = result.eigen_seconds;
   out.result.field = std::move(result.field);

@@ -9,19 +9,16 @@
 
 #include "alcap/design_file.h"
 #include "alcap/field_run.h"
-#include "alcap/mesh_io.h"
 #include "apps/alcap/commands/command.h"
 #include "apps/alcap/report/progress.h"
 
 namespace alcap::app {
 
-/// What a design is solved from. The run has mesh, topology, geometry and connection.
+/// What a design is solved from. The run has its surface.
 struct DesignProblem {
   const DesignFile& design;  ///< placed
   const std::vector<DesignControl>& controls;
-  const MeshFile& file;
   const FieldRun& run;
-  std::shared_ptr<const Frames> frames;
   std::string solver;
 };
 

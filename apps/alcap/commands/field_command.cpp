@@ -116,11 +116,11 @@ Outcome run(FieldOptions options, Progress& progress) {
 
   options.run.repairs = options.mesh.repairs;
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
-  const FieldRun result = run_field(file.V, std::move(file.F), options.run);
+  const FieldRun result = run_field(std::move(file.V), std::move(file.F), options.run);
 
   progress.phase("writing");
   const auto write_start = Clock::now();
-  const FieldOutput output = output_of(result, file.V);
+  const FieldOutput output = output_of(result);
   Json report = field_report(options.mesh.path, file, result, options.run);
   const auto no_others = [](const std::filesystem::path&) { return std::vector<std::string>{}; };
   write_files(plan, options.files, output, no_others, [&](const std::vector<std::string>& files) -> const Json& {
@@ -132,9 +132,7 @@ Outcome run(FieldOptions options, Progress& progress) {
     return report;
   });
   if (!options.html.empty()) {
-    const ViewSource source{result.mesh,       file.V,       result.geometry,
-                            result.connection, result.field, result.singularities};
-    write_text(options.html, html_page(make_scene(source, options.mesh.path.stem().string(), report)));
+    write_text(options.html, html_page(make_scene(output, options.mesh.path.stem().string(), report)));
     report["files"].push_back(options.html.string());
   }
 
@@ -185,7 +183,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->type_name("S")
       ->capture_default_str()
       ->check(CLI::Range(-1.0, 1.0));
-  add_connection_options(app, options->run);
+  add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
   add_picture_options(app, options->picture);
   return [options](const Common& common, Progress& progress) {

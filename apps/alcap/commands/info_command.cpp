@@ -143,11 +143,14 @@ Outcome run(const MeshChoice& choice, Progress& progress) {
   std::optional<Mesh> mesh;
   std::optional<Topology> topology;
   if (topological.empty()) {
-    mesh.emplace(F, file.V.rows());
-    topology.emplace(find_topology(*mesh));
     if (geometric.empty()) {
-      const Geometry geometry(*mesh, file.V);
-      for (Remark& r : mesh_remarks(file.V, *mesh, *topology, geometry)) remarks.push_back(std::move(r));
+      const Surface surface(file.V, F);
+      mesh = surface.mesh();
+      topology = surface.topology();
+      for (Remark& r : mesh_remarks(surface)) remarks.push_back(std::move(r));
+    } else {
+      mesh.emplace(F, file.V.rows());
+      topology.emplace(find_topology(*mesh));
     }
   }
   const bool fit = topological.empty() && geometric.empty();

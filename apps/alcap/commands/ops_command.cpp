@@ -34,17 +34,26 @@ constexpr const char* footer =
 
 struct OpsOptions {
   MeshChoice mesh = {};
-  FieldRunOptions run = {};
+  ConnectionOptions connection = {};
   std::filesystem::path field = {};
   std::filesystem::path output = {};
   OperatorKind kind = OperatorKind::edge;  // more accurate, and exact over patches
   bool density = false;
-  CLI::Option* connection = nullptr;  // --connection, to see whether it was given
+  CLI::Option* given = nullptr;  // --connection, to see whether it was given
 };
 
-/// Four numbers per face.
+/// Four integrals per face.
 struct FaceValues {
   VectorX<double> div, curl, reflected_div, reflected_curl;
+};
+
+/// A field on the surface with the connection that it is looked at with.
+struct Loaded {
+  MeshFile file;  // its points and faces are in the surface
+  ConnectedSurface surface;
+  Field field;
+  ConnectionOptions how;
+  std::vector<Remark> remarks;
 };
 
 /// The field in the file's mesh must be a field on this mesh.
@@ -107,96 +116,110 @@ Json energies_json(double dirichlet, double a, double h) {
           {"difference_over_pi", number((a - h) / pi<double>)}};
 }
 
-Outcome run(OpsOptions options, Progress& progress) {
+/// The connection to take derivatives with: as asked, or else the one that the field was made with.
+ConnectionOptions choose_connection(const OpsOptions& options, const FieldFile& file) {
+  ConnectionOptions how = options.connection;
+  how.n = file.field.n;
+  if (options.given->count() == 0 && how.cones.empty()) how.kind = file.connection;
+  if (how.kind == ConnectionKind::trivial && how.cones.empty()) {
+    throw Failure(Exit::usage, "the field was made with a trivial connection; repeat its --cone options here",
+                  {{"option", "--cone"}});
+  }
+  return how;
+}
+
+Loaded load(const OpsOptions& options, Progress& progress) {
+  Loaded out;
+  progress.phase("reading");
+  out.file = read_choice(options.mesh);
+  const FieldFile field = read_field(options.field);
+  check_same_mesh(options, out.file, field);
+  out.how = choose_connection(options, field);
+  Faces F = apply_repairs(out.file.V, out.file.F, options.mesh.repairs, out.remarks);
+  const Surface surface(std::move(out.file.V), std::move(F));
+
+  progress.phase("finding the connection");
+  out.surface = connect(surface, out.how);
+  if (!(*field.field.frames == *out.surface.frames())) {
+    out.remarks.push_back(
+        {.code = "reprojected",
+         .warning = false,
+         .message = "the field was made with another connection; its vectors were projected to this one"});
+  }
+  out.field = on_frames(field.field, out.surface.frames());
+  return out;
+}
+
+void add_values(Json& report, const FaceValues& values, const VectorX<double>& reflected,
+                const VectorX<double>& areas) {
+  report["sums"] = {{"div", number(values.div.sum())}, {"curl", number(values.curl.sum())}};
+  report["norms"] = {{"div", number(norm(values.div, areas))},
+                     {"curl", number(norm(values.curl, areas))},
+                     {"reflected", number(norm(reflected, areas))}};
+}
+
+std::vector<std::string> write_values(const std::filesystem::path& target, const Loaded& loaded,
+                                      const FaceValues& values) {
+  std::vector<std::string> files;
+  write_guarded([&] {
+    if (target.extension() == ".csv") {
+      write_csv(target, loaded.surface.geometry(), values);
+      files.push_back(target.string());
+      return;
+    }
+    const auto scalars = [](const char* label, const VectorX<double>& x) {
+      return FaceScalars{label, {x.data(), static_cast<std::size_t>(x.size())}};
+    };
+    const std::vector<FaceScalars> all{scalars("div", values.div), scalars("curl", values.curl),
+                                       scalars("reflected_div", values.reflected_div),
+                                       scalars("reflected_curl", values.reflected_curl)};
+    const std::vector<Singularity> singularities = find_singularities(loaded.surface, loaded.field);
+    const FieldOutput output{
+        .surface = loaded.surface, .field = loaded.field, .singularities = singularities, .face_scalars = all};
+    for (const auto& path : write_field(output, target)) files.push_back(path.string());
+  });
+  return files;
+}
+
+Outcome run(const OpsOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   const OutputPlan plan = plan_output(options.output, {".csv", ".vtp"});
   if (plan.kind == OutputPlan::Kind::folder) {
     throw Failure(Exit::usage, "-o must name a file that ends with .csv or .vtp", {{"option", "-o"}});
   }
-  progress.phase("reading");
-  const MeshFile file = read_choice(options.mesh);
-  const FieldFile field_file = read_field(options.field);
-  check_same_mesh(options, file, field_file);
-  options.run.n = field_file.field.n;
-  if (options.connection->count() == 0 && options.run.cones.empty()) options.run.connection = field_file.connection;
-  if (options.run.connection == ConnectionKind::trivial && options.run.cones.empty()) {
-    throw Failure(Exit::usage, "the field was made with a trivial connection; repeat its --cone options here",
-                  {{"option", "--cone"}});
-  }
-  std::vector<Remark> remarks;
-  const Mesh mesh(apply_repairs(file.V, file.F, options.mesh.repairs, remarks), file.V.rows());
-  const Geometry geometry(mesh, file.V);
-
-  progress.phase("finding the connection");
-  const Connection connection = make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
-  const auto frames = std::make_shared<const Frames>(vertex_frames(mesh, file.V, geometry, connection));
-  // Same connection, same frames: the numbers are taken as they are. Otherwise the vectors in space are what counts.
-  const int n = field_file.field.n;
-  Field field = field_file.field;
-  if (field.frames->X != frames->X || field.frames->N != frames->N) {
-    field = from_vectors(n, field.vectors(0), frames);
-    remarks.push_back(
-        {.code = "reprojected",
-         .warning = false,
-         .message = "the field was made with another connection; its vectors were projected to this one"});
-  }
+  const Loaded loaded = load(options, progress);
+  const auto& [file, surface, field, how, remarks] = loaded;
 
   progress.phase("applying the operators");
-  const auto operators = first_order_operators(mesh, geometry, connection, {.n = n, .kind = options.kind});
-  const ComplexVectorX<double> p = apply(mesh, operators.p, field.u), q = apply(mesh, operators.q, field.u);
+  const auto operators = first_order_operators(surface, {.n = field.n, .kind = options.kind});
+  const ComplexVectorX<double> p = apply(surface.mesh(), operators.p, field.u);
+  const ComplexVectorX<double> q = apply(surface.mesh(), operators.q, field.u);
   FaceValues values{p.real(), p.imag(), q.real(), q.imag()};
-  const FieldEnergies exact = field_energies(mesh, geometry, connection, n, field.u);
-  const OperatorEnergies sums = operator_energies(mesh, geometry, operators, field.u);
-  const VectorX<double> reflected = q.cwiseAbs();
+  const FieldEnergies exact = field_energies(surface, field.n, field.u);
+  const OperatorEnergies sums = operator_energies(surface, operators, field.u);
 
   Json report = report_head("ops", true);
   report["input"] = input_json(options.mesh.path, file);
   report["field"] = options.field.string();
-  report["n"] = n;
+  report["n"] = field.n;
   report["operators"] = options.kind == OperatorKind::edge ? "edge" : "triangle";
-  report["mesh"] = mesh_json(mesh, find_topology(mesh), geometry);
-  report["connection"] = connection_json(mesh, geometry, connection, options.run);
+  report["mesh"] = mesh_json(surface);
+  report["connection"] = connection_json(surface, how);
   report["energies"] = energies_json(exact.dirichlet, exact.antiholomorphic, exact.holomorphic);
   report["energies"]["operators"] = energies_json(sums.dirichlet(), sums.antiholomorphic, sums.holomorphic);
-  report["sums"] = {{"div", number(values.div.sum())}, {"curl", number(values.curl.sum())}};
-  report["norms"] = {{"div", number(norm(values.div, geometry.areas()))},
-                     {"curl", number(norm(values.curl, geometry.areas()))},
-                     {"reflected", number(norm(reflected, geometry.areas()))}};
+  add_values(report, values, q.cwiseAbs(), surface.geometry().areas());
   report["warnings"] = remarks_json(remarks, true);
   report["notes"] = remarks_json(remarks, false);
 
   if (options.density) {
     for (VectorX<double>* x : {&values.div, &values.curl, &values.reflected_div, &values.reflected_curl}) {
-      x->array() /= geometry.areas().array();
+      x->array() /= surface.geometry().areas().array();
     }
   }
   std::vector<std::string> files;
   if (plan.kind == OutputPlan::Kind::file) {
     progress.phase("writing");
-    write_guarded([&] {
-      if (plan.target.extension() == ".csv") {
-        write_csv(plan.target, geometry, values);
-        files.push_back(plan.target.string());
-        return;
-      }
-      const auto scalars = [](const char* label, const VectorX<double>& x) {
-        return FaceScalars{label, {x.data(), static_cast<std::size_t>(x.size())}};
-      };
-      const std::vector<FaceScalars> all{scalars("div", values.div), scalars("curl", values.curl),
-                                         scalars("reflected_div", values.reflected_div),
-                                         scalars("reflected_curl", values.reflected_curl)};
-      const std::vector<Singularity> singularities = find_singularities(mesh, geometry, connection, field);
-      for (const auto& path : write_field({.mesh = mesh,
-                              .V = file.V,
-                              .geometry = geometry,
-                              .connection = connection,
-                              .field = field,
-                              .singularities = singularities,
-                              .face_scalars = all},
-                                          plan.target)) {
-        files.push_back(path.string());
-      }
-    });
+    files = write_values(plan.target, loaded, values);
   }
   report["times"] = {{"total", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}};
   report["peak_memory_bytes"] = peak_memory_bytes();
@@ -222,8 +245,8 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->check(CLI::IsMember({"edge", "triangle"}))
       ->default_str("edge");
   app.add_flag("--density", options->density, "Means per unit of area instead of integrals in the file");
-  add_connection_options(app, options->run);
-  options->connection = app.get_option("--connection");
+  add_connection_options(app, options->connection);
+  options->given = app.get_option("--connection");
   return [options](const Common&, Progress& progress) { return run(*options, progress); };
 }
 

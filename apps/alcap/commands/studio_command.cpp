@@ -66,8 +66,8 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
   MeshFile mesh = read_choice(options.mesh);
   std::vector<Remark> remarks;
-  const Faces F = apply_repairs(mesh.V, mesh.F, options.mesh.repairs, remarks);
-  const StudioSurface surface(std::move(mesh.V), F);
+  Faces F = apply_repairs(mesh.V, mesh.F, options.mesh.repairs, remarks);
+  const Surface surface(std::move(mesh.V), std::move(F));
   progress.phase("finding the first field");
   StudioSession session(surface, start_design(options, file), file);
   progress.clear();

@@ -35,8 +35,8 @@ constexpr const char* footer =
 
 struct ViewOptions {
   std::filesystem::path field = {};
-  FieldRunOptions run = {};
-  CLI::Option* connection = nullptr;  // --connection, to see whether it was given
+  ConnectionOptions connection = {};
+  CLI::Option* given = nullptr;       // --connection, to see whether it was given
   std::filesystem::path output = {};  // none: no page
   PictureOptions picture = {};
   std::string title = {};
@@ -58,16 +58,49 @@ std::string title_of(const ViewOptions& options, const std::filesystem::path& fi
   return file.stem().string();
 }
 
-Outcome run(ViewOptions options, Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
-  const bool page_wanted = !options.output.empty();
-  if (!page_wanted && options.picture.file.empty() && options.picture.curves.empty())
+/// Before anything that takes long.
+void check_outputs(const ViewOptions& options) {
+  if (options.output.empty() && options.picture.file.empty() && options.picture.curves.empty())
     throw Failure(Exit::usage, "nothing is to be made; give -o FILE.html, --png FILE or --curves FILE");
-  if (page_wanted) {
+  if (!options.output.empty()) {
     check_page();
     check_writable(options.output);
   }
   check_picture(options.picture);
+}
+
+/// The connection to show the field with: as asked, or else as the field was made.
+ConnectionOptions choose_connection(const ViewOptions& options, const FieldFile& data, std::vector<Remark>& remarks) {
+  ConnectionOptions how = options.connection;
+  how.n = data.field.n;
+  if (options.given->count() == 0 && how.cones.empty()) how.kind = data.connection;
+  if (how.kind == ConnectionKind::trivial && how.cones.empty()) {
+    // Its cones are not in the file. The field keeps its directions at the vertices.
+    how.kind = ConnectionKind::global;
+    remarks.push_back({.code = "cones_unknown",
+                       .message = "the field was made with a trivial connection whose cones the file does not hold; "
+                                  "shown with the global connection instead (repeat its --cone options here)"});
+  }
+  return how;
+}
+
+/// The files with one line each; the page says how to look at it.
+std::string summary(const ViewOptions& options, const Json& report) {
+  std::string text;
+  for (const Json& r : report["warnings"])
+    text += fmt::format("{:<14}{}\n", "warning", r["message"].get<std::string>());
+  for (const Json& f : report["files"]) {
+    const bool page = f == options.output.string();
+    text +=
+        fmt::format("{:<14}{}{}\n", "wrote", f.get<std::string>(),
+                    page ? fmt::format(" ({:.1f} MB); open it in a browser", report["bytes"].get<double>() / 1e6) : "");
+  }
+  return text;
+}
+
+Outcome run(const ViewOptions& options, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  check_outputs(options);
   std::error_code error;
   const bool folder = std::filesystem::is_directory(options.field, error);
   const std::filesystem::path file = folder ? options.field / "field.ply" : options.field;
@@ -75,37 +108,20 @@ Outcome run(ViewOptions options, Progress& progress) {
   progress.phase("reading");
   FieldFile data = read_field(file);
   const Json figures = read_report(file.parent_path() / "report.json");
-  options.run.n = data.field.n;
-  if (options.connection->count() == 0 && options.run.cones.empty()) options.run.connection = data.connection;
   std::vector<Remark> remarks;
-  if (options.run.connection == ConnectionKind::trivial && options.run.cones.empty()) {
-    // Its cones are not in the file. The field keeps its directions at the vertices.
-    options.run.connection = ConnectionKind::global;
-    remarks.push_back({.code = "cones_unknown",
-                       .message = "the field was made with a trivial connection whose cones the file does not hold; "
-                                  "shown with the global connection instead (repeat its --cone options here)"});
-  }
-  const Mesh mesh(data.F, data.V.rows());
-  const Geometry geometry(mesh, data.V);
+  const ConnectionOptions how = choose_connection(options, data, remarks);
+  const Surface surface(std::move(data.V), std::move(data.F));
   progress.phase("finding the connection");
-  const Connection connection = make_connection(mesh, geometry, options.run, make_cones(mesh, geometry, options.run));
-  const auto frames = std::make_shared<const Frames>(vertex_frames(mesh, data.V, geometry, connection));
-  if (data.field.frames->X != frames->X || data.field.frames->N != frames->N)
-    data.field = from_vectors(data.field.n, data.field.vectors(0), frames);
-  const std::vector<Singularity> singularities = find_singularities(mesh, geometry, connection, data.field);
+  const ConnectedSurface connected = connect(surface, how);
+  const Field field = on_frames(data.field, connected.frames());
+  const std::vector<Singularity> singularities = find_singularities(connected, field);
+  const FieldOutput output{.surface = connected, .field = field, .singularities = singularities};
 
   progress.phase("drawing curves");
-  std::vector<std::string> files = write_pictures({.mesh = mesh,
-                                                   .V = data.V,
-                                                   .geometry = geometry,
-                                                   .connection = connection,
-                                                   .field = data.field,
-                                                   .singularities = singularities},
-                                                  options.picture);
+  std::vector<std::string> files = write_pictures(output, options.picture);
   std::size_t bytes = 0;
-  if (page_wanted) {
-    const ViewPack scene = make_scene({mesh, data.V, geometry, connection, data.field, singularities},
-                                      title_of(options, file, figures), figures);
+  if (!options.output.empty()) {
+    const ViewPack scene = make_scene(output, title_of(options, file, figures), figures);
     progress.phase("writing");
     const std::string page = html_page(scene);
     write_text(options.output, page);
@@ -115,8 +131,8 @@ Outcome run(ViewOptions options, Progress& progress) {
 
   Outcome outcome{.report = report_head("view", true)};
   outcome.report["field"] = file.string();
-  outcome.report["n"] = data.field.n;
-  outcome.report["mesh"] = {{"vertices", mesh.vertices()}, {"faces", mesh.faces()}};
+  outcome.report["n"] = field.n;
+  outcome.report["mesh"] = {{"vertices", surface.mesh().vertices()}, {"faces", surface.mesh().faces()}};
   outcome.report["singularities"] = {{"count", singularities.size()}};
   outcome.report["bytes"] = bytes;
   outcome.report["warnings"] = remarks_json(remarks, true);
@@ -124,13 +140,7 @@ Outcome run(ViewOptions options, Progress& progress) {
   outcome.report["times"] = {
       {"total", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}};
   outcome.report["peak_memory_bytes"] = peak_memory_bytes();
-  for (const Remark& r : remarks) outcome.text += fmt::format("{:<14}{}\n", "warning", r.message);
-  for (const std::string& f : files)
-    outcome.text +=
-        fmt::format("{:<14}{}{}\n", "wrote", f,
-                    page_wanted && f == options.output.string()
-                        ? fmt::format(" ({:.1f} MB); open it in a browser", static_cast<double>(bytes) / 1e6)
-                        : "");
+  outcome.text = summary(options, outcome.report);
   return outcome;
 }
 
@@ -142,9 +152,9 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
       ->type_name("FIELD");
   app.add_option("-o,--output", options->output, "The page to write")->type_name("FILE.html");
   app.add_option("--title", options->title, "Its title; otherwise the name of the mesh")->type_name("TEXT");
-  add_connection_options(app, options->run);
+  add_connection_options(app, options->connection);
   add_picture_options(app, options->picture);
-  options->connection = app.get_option("--connection");
+  options->given = app.get_option("--connection");
   return [options](const Common&, Progress& progress) { return run(*options, progress); };
 }
 

@@ -266,7 +266,7 @@ void add_design_options(CLI::App& app, DesignFlags& flags) {
       ->type_name("S")
       ->check(CLI::Range(-1.0, 1.0))
       ->group("Solver");
-  add_connection_options(app, flags.run);
+  add_connection_options(app, flags.connection);
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
 }
 
@@ -279,15 +279,15 @@ DesignFile make_design(const DesignFlags& flags) {
   if (flags.boundary.wanted) design.boundary = flags.boundary;
   if (flags.count("--cones") > 0) design.connection.balance = true;
   if (flags.count("--connection") > 0 || flags.count("--cone") > 0 || flags.count("--cones") > 0) {
-    design.connection.kind = flags.run.connection;
-    design.connection.center = flags.run.polar.center;
-    if (flags.run.connection != ConnectionKind::trivial) {
+    design.connection.kind = flags.connection.kind;
+    design.connection.center = flags.connection.polar.center;
+    if (flags.connection.kind != ConnectionKind::trivial) {
       design.connection.cones.clear();
       design.connection.cones_at.clear();
     }
   }
-  for (const Cone& cone : flags.run.cones) design.connection.cones.push_back(cone);
-  if (flags.count("--detail") > 0) design.connection.detail = flags.run.global.detail;
+  for (const Cone& cone : flags.connection.cones) design.connection.cones.push_back(cone);
+  if (flags.count("--detail") > 0) design.connection.detail = flags.connection.global.detail;
   if (flags.guidance) design.guidance = *flags.guidance;
   if (flags.t) {
     if (design.guidance.source == DesignGuidance::Source::none)
@@ -317,20 +317,6 @@ DesignFile make_design(const DesignFlags& flags) {
         "nothing is designed; give --design FILE, singularities, fixed vertices, strokes, --align-boundary, or "
         "--guidance smoothest");
   return design;
-}
-
-FieldRunOptions run_options(const DesignFile& design) {
-  FieldRunOptions run;
-  run.n = design.n;
-  run.connection = design.connection.kind;
-  run.polar.center = design.connection.center;
-  run.global.detail = design.connection.detail;
-  run.s = design.s;
-  run.cones = design.connection.cones;
-  run.balance_cones = design.connection.balance;
-  run.generator_holonomy = design.connection.holonomy;
-  run.loop_index = design.connection.loops;
-  return run;
 }
 
 }  // namespace alcap::app

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "alcap/design_file.h"
-#include "alcap/field_run.h"
 #include "apps/alcap/commands/command.h"
 
 namespace alcap::app {
@@ -18,7 +17,7 @@ namespace alcap::app {
 struct DesignFlags {
   std::filesystem::path file = {};
   int n = 1;
-  FieldRunOptions run = {};  // connection, polar.center, cones, global.detail
+  ConnectionOptions connection = {};
   std::vector<DesignSingularity> singularities = {};
   std::vector<DesignFixed> fixed = {};
   std::vector<std::string> strokes = {};  // FILE[:WEIGHT]
@@ -39,8 +38,5 @@ void add_design_options(CLI::App& app, DesignFlags& flags);
 /// The design file, if any, with what the flags add (controls, cones) and replace (n, connection, guidance). Throws
 /// FileError and OptionError.
 [[nodiscard]] DesignFile make_design(const DesignFlags& flags);
-
-/// Its connection as make_connection wants it.
-[[nodiscard]] FieldRunOptions run_options(const DesignFile& design);
 
 }  // namespace alcap::app

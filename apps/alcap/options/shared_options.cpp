@@ -69,14 +69,14 @@ MeshFile read_choice(const MeshChoice& choice) {
                                  .format = choice.format});
 }
 
-void add_connection_options(CLI::App& app, FieldRunOptions& options) {
+void add_connection_options(CLI::App& app, ConnectionOptions& options) {
   app.add_option_function<std::string>(
          "--connection",
          [&options](const std::string& name) {
-           options.connection = name == "global"    ? ConnectionKind::global
-                                : name == "local"   ? ConnectionKind::local
-                                : name == "trivial" ? ConnectionKind::trivial
-                                                    : ConnectionKind::polar;
+           options.kind = name == "global"    ? ConnectionKind::global
+                          : name == "local"   ? ConnectionKind::local
+                          : name == "trivial" ? ConnectionKind::trivial
+                                              : ConnectionKind::polar;
            options.polar.center = name == "polar-barycenter" ? PolarCenter::barycenter : PolarCenter::incenter;
          },
          "How directions are compared from place to place. global: as Levi-Civita as possible, the most accurate; "
@@ -90,7 +90,7 @@ void add_connection_options(CLI::App& app, FieldRunOptions& options) {
          "--cone",
          [&options](const std::vector<std::string>& cones) {
            for (const std::string& c : cones) options.cones.push_back(parse_cone(c));
-           options.connection = ConnectionKind::trivial;
+           options.kind = ConnectionKind::trivial;
          },
          "Of the trivial connection (which it implies): the field's index at a vertex, as VERTEX:1/4. Repeat it; on "
          "a closed surface the indices must sum to the Euler characteristic")
@@ -102,7 +102,7 @@ void add_connection_options(CLI::App& app, FieldRunOptions& options) {
          "--cones",
          [&options](const std::string&) {
            options.balance_cones = true;
-           options.connection = ConnectionKind::trivial;
+           options.kind = ConnectionKind::trivial;
          },
          "auto-balance: add cones of +-1/n to those of --cone, where the curvature is, until they sum to the Euler "
          "characteristic")

@@ -27,8 +27,9 @@ void add_mesh_options(CLI::App& app, MeshChoice& choice);
 /// Reads the mesh. Throws FileError.
 [[nodiscard]] MeshFile read_choice(const MeshChoice& choice);
 
-/// Adds --connection, --cone and --detail, which set connection, polar.center, cones and global.detail of `options`.
-void add_connection_options(CLI::App& app, FieldRunOptions& options);
+/// Adds --connection, --cone, --cones and --detail, which set kind, polar.center, cones, balance_cones and
+/// global.detail.
+void add_connection_options(CLI::App& app, ConnectionOptions& options);
 
 /// Adds --solver, --method, --tolerance and --max-iterations.
 void add_eigen_options(CLI::App& app, EigenOptions& options);

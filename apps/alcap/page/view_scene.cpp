@@ -26,9 +26,10 @@ std::vector<float> relative(const Positions<double>& points, const Eigen::RowVec
   return out;
 }
 
-Eigen::RowVector3d point_at(const ViewSource& source, Index face, const std::array<double, 3>& b) {
+Eigen::RowVector3d point_at(const FieldOutput& source, Index face, const std::array<double, 3>& b) {
   Eigen::RowVector3d p = Eigen::RowVector3d::Zero();
-  for (Index c = 0; c < 3; ++c) p += b[static_cast<std::size_t>(c)] * source.V.row(source.mesh.F()(face, c));
+  for (Index c = 0; c < 3; ++c)
+    p += b[static_cast<std::size_t>(c)] * source.surface.V().row(source.surface.F()(face, c));
   return p;
 }
 
@@ -65,16 +66,17 @@ void add_scalar(ViewPack& pack, const char* name, const char* label, const char*
 
 }  // namespace
 
-void add_mesh(ViewPack& pack, const Mesh& mesh, const Positions<double>& V) {
+void add_mesh(ViewPack& pack, const Surface& surface) {
+  const Positions<double>& V = surface.V();
   const Eigen::RowVector3d center = center_of(V);
   pack.meta["center"] = {center.x(), center.y(), center.z()};
   pack.meta["diagonal"] = diagonal_of(V);
   pack.add("positions", relative(V, center));
-  const std::vector<std::uint32_t> faces(mesh.F().data(), mesh.F().data() + mesh.F().size());
+  const std::vector<std::uint32_t> faces(surface.F().data(), surface.F().data() + surface.F().size());
   pack.add("faces", faces);
 }
 
-void add_field(ViewPack& pack, const ViewSource& source) {
+void add_field(ViewPack& pack, const FieldOutput& source) {
   const Positions<double> vectors = source.field.vectors(0);
   std::vector<std::int16_t> branch(static_cast<std::size_t>(vectors.size()));
   std::vector<float> length(static_cast<std::size_t>(vectors.rows()));
@@ -91,9 +93,9 @@ void add_field(ViewPack& pack, const ViewSource& source) {
   pack.add_short("length", length);
 }
 
-void add_singularities(ViewPack& pack, const ViewSource& source) {
-  const Frames frames = face_frames(source.mesh, source.V);
-  const Eigen::RowVector3d center = center_of(source.V);
+void add_singularities(ViewPack& pack, const FieldOutput& source) {
+  const Frames frames = face_frames(source.surface);
+  const Eigen::RowVector3d center = center_of(source.surface.V());
   std::vector<float> singular, arms;
   std::vector<std::uint32_t> faces;
   for (const Singularity& s : source.singularities) {
@@ -117,27 +119,26 @@ void add_singularities(ViewPack& pack, const ViewSource& source) {
   pack.add("arms", arms);
 }
 
-void add_curves(ViewPack& pack, const ViewSource& source, double spacing) {
-  const auto& [mesh, V, geometry, connection, field, singularities] = source;
-  const Eigen::RowVector3d center = center_of(V);
-  pack.meta["spacing"] = spacing * diagonal_of(V);
-  add_lines(pack, "curves", "curve_offsets", streamlines(mesh, V, geometry, connection, field, {.spacing = spacing}),
-            center);
+void add_curves(ViewPack& pack, const FieldOutput& source, double spacing) {
+  const Eigen::RowVector3d center = center_of(source.surface.V());
+  pack.meta["spacing"] = spacing * diagonal_of(source.surface.V());
+  add_lines(pack, "curves", "curve_offsets", streamlines(source.surface, source.field, {.spacing = spacing}), center);
   // Shorter than the surface is wide: where they end in the middle, the pattern around the singularity is what counts.
   add_lines(pack, "separatrices", "separatrix_offsets",
-            separatrices(mesh, V, geometry, connection, field, singularities, {.max_length = 0.5}), center);
+            separatrices(source.surface, source.field, source.singularities, {.max_length = 0.5}), center);
 }
 
-double curve_spacing(const ViewSource& source) {
+double curve_spacing(const FieldOutput& source) {
   // Some sixty curves across, so that they stay apart on a small screen too; on coarse meshes not many more than they
   // have edges.
-  return std::clamp(0.7 * source.geometry.lengths().mean() / diagonal_of(source.V), 0.0095, 0.02);
+  return std::clamp(0.7 * source.surface.geometry().lengths().mean() / diagonal_of(source.surface.V()), 0.0095, 0.02);
 }
 
-void add_scalars(ViewPack& pack, const ViewSource& source) {
-  const auto& [mesh, V, geometry, connection, field, singularities] = source;
-  const auto operators = first_order_operators(mesh, geometry, connection, {.n = field.n});
-  const VectorX<double>& area = geometry.areas();
+void add_scalars(ViewPack& pack, const FieldOutput& source) {
+  const Mesh& mesh = source.surface.mesh();
+  const Field& field = source.field;
+  const auto operators = first_order_operators(source.surface, {.n = field.n});
+  const VectorX<double>& area = source.surface.geometry().areas();
   const ComplexVectorX<double> p = apply(mesh, operators.p, field.u), q = apply(mesh, operators.q, field.u);
   pack.meta["scalars"] = Json::array();
   if (field.n == 1) {
@@ -156,7 +157,8 @@ void add_scalars(ViewPack& pack, const ViewSource& source) {
     for (Index c = 0; c < 3; ++c) length[t] += std::abs(field.u[mesh.F()(t, c)]) / 3;
   }
   add_scalar(pack, "u", "|u|", "length of the n-vector; zero at singularities", false, length);
-  add_scalar(pack, "K", "Curvature K", "curvature of the connection per area", true, connection.K.cwiseQuotient(area));
+  add_scalar(pack, "K", "Curvature K", "curvature of the connection per area", true,
+             source.surface.connection().K.cwiseQuotient(area));
 }
 
 Figures figures(const Json& report) {
@@ -182,15 +184,15 @@ Figures figures(const Json& report) {
   return rows;
 }
 
-ViewPack make_scene(const ViewSource& source, const std::string& title, const Json& report) {
+ViewPack make_scene(const FieldOutput& source, const std::string& title, const Json& report) {
   ViewPack pack;
   pack.meta["title"] = title;
-  add_mesh(pack, source.mesh, source.V);
+  add_mesh(pack, source.surface);
   add_field(pack, source);
   add_singularities(pack, source);
   add_curves(pack, source, curve_spacing(source));
   add_scalars(pack, source);
-  pack.meta["euler"] = find_topology(source.mesh).euler();
+  pack.meta["euler"] = source.surface.topology().euler();
   pack.meta["figures"] = figures(report);
   if (report.contains("certificate")) pack.meta["holds"] = report.value("ok", false);
   return pack;

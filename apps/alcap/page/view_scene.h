@@ -14,40 +14,29 @@
 #include <utility>
 #include <vector>
 
-#include "alcap/field.h"
-#include "alcap/singularities.h"
+#include "alcap/output.h"
 #include "apps/alcap/page/view_pack.h"
 
 namespace alcap::app {
 
-/// What scenes are made of. Holds references.
-struct ViewSource {
-  const Mesh& mesh;
-  const Positions<double>& V;
-  const Geometry& geometry;
-  const Connection& connection;
-  const Field& field;
-  const std::vector<Singularity>& singularities;
-};
-
 /// Rows of the page's table of figures.
 using Figures = std::vector<std::pair<std::string, std::string>>;
 
-void add_mesh(ViewPack& pack, const Mesh& mesh, const Positions<double>& V);
-void add_field(ViewPack& pack, const ViewSource& source);
+void add_mesh(ViewPack& pack, const Surface& surface);
+void add_field(ViewPack& pack, const FieldOutput& source);
 /// Positions, indices and straight branches. `sizes` of the arms are left to the page.
-void add_singularities(ViewPack& pack, const ViewSource& source);
+void add_singularities(ViewPack& pack, const FieldOutput& source);
 /// Evenly spaced curves and separatrices. `spacing` as in StreamlineOptions.
-void add_curves(ViewPack& pack, const ViewSource& source, double spacing);
+void add_curves(ViewPack& pack, const FieldOutput& source, double spacing);
 /// A distance that suits the mesh.
-[[nodiscard]] double curve_spacing(const ViewSource& source);
+[[nodiscard]] double curve_spacing(const FieldOutput& source);
 /// n = 1: divergence, curl; otherwise |d|; always |dbar|, |u| and K, as densities.
-void add_scalars(ViewPack& pack, const ViewSource& source);
+void add_scalars(ViewPack& pack, const FieldOutput& source);
 
 /// The rows that a report of `alcap field` or `alcap design` has numbers for.
 [[nodiscard]] Figures figures(const Json& report);
 
 /// Everything together: the page's data for one result. `report` may be empty.
-[[nodiscard]] ViewPack make_scene(const ViewSource& source, const std::string& title, const Json& report);
+[[nodiscard]] ViewPack make_scene(const FieldOutput& source, const std::string& title, const Json& report);
 
 }  // namespace alcap::app

@@ -68,14 +68,14 @@ std::vector<std::string> write_pictures(const FieldOutput& output, const Picture
   std::vector<std::string> files;
   if (options.file.empty() && options.curves.empty()) return files;
   const CurveSet curves =
-      streamlines(output.mesh, output.V, output.geometry, output.connection, output.field,
+      streamlines(output.surface, output.field,
                   {.spacing = options.spacing, .separation = evenness, .min_length = 3 * options.spacing});
   if (!options.curves.empty()) {
     write_guarded([&] { write_curves(curves, output.field.n, options.curves); });
     files.push_back(options.curves.string());
   }
   if (!options.file.empty()) {
-    write_picture({output.mesh, output.V, curves, output.singularities}, options);
+    write_picture({output.surface.mesh(), output.surface.V(), curves, output.singularities}, options);
     files.push_back(options.file.string());
   }
   return files;

@@ -54,9 +54,9 @@ void singularity(const DesignRun& d, std::size_t k, const ControlReport& report,
   }
   if (target.pin) {
     const ComplexVectorX<double>& u = d.run.field.u;
-    const auto there = face_field(d.run.mesh, d.run.geometry, d.run.connection, d.design.n, u, s.face).at(*target.pin);
+    const auto there = face_field(d.run.surface, d.design.n, u, s.face).at(*target.pin);
     double size = 0;
-    for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[d.run.mesh.F()(s.face, c)]));
+    for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[d.run.mesh().F()(s.face, c)]));
     const double left = size > 0 ? std::abs(there.u) / size : 0;
     json["achieved"]["length_at_pin"] = number(left);
     met = met && left <= pinned;
@@ -85,12 +85,12 @@ void fixed(const DesignRun& d, std::size_t k, const VertexConstraint& constraint
 
 /// Curvature that the connection gives every vertex, in turns: 1 - (sum of the corner angles it sees) / 2 pi.
 VectorX<double> vertex_turns(const FieldRun& run) {
-  VectorX<double> turns = VectorX<double>::Ones(run.mesh.vertices());
-  const auto& alpha = run.connection.alpha;
-  for (Index t = 0; t < run.mesh.faces(); ++t) {
+  VectorX<double> turns = VectorX<double>::Ones(run.mesh().vertices());
+  const auto& alpha = run.connection().alpha;
+  for (Index t = 0; t < run.mesh().faces(); ++t) {
     for (Index h = 3 * t; h < 3 * t + 3; ++h) {
       const double turned = alpha.size() ? alpha[h] - alpha[Mesh::prev(h)] : 0.0;
-      turns[run.mesh.tail(h)] -= (run.geometry.angles()[h] + turned) / (2 * pi<double>);
+      turns[run.mesh().tail(h)] -= (run.geometry().angles()[h] + turned) / (2 * pi<double>);
     }
   }
   return turns;

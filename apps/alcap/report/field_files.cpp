@@ -41,13 +41,8 @@ OutputPlan plan_files(const FilesChoice& choice) {
   return plan;
 }
 
-FieldOutput output_of(const FieldRun& run, const Positions<double>& V) {
-  return {.mesh = run.mesh,
-          .V = V,
-          .geometry = run.geometry,
-          .connection = run.connection,
-          .field = run.field,
-          .singularities = run.singularities};
+FieldOutput output_of(const FieldRun& run) {
+  return {.surface = run.surface, .field = run.field, .singularities = run.singularities};
 }
 
 void write_files(const OutputPlan& plan, const FilesChoice& choice, const FieldOutput& output,

@@ -28,8 +28,8 @@ void add_files_options(CLI::App& app, FilesChoice& choice);
 /// Throws Failure as plan_output and chosen_formats do, and when --formats comes with a file.
 [[nodiscard]] OutputPlan plan_files(const FilesChoice& choice);
 
-/// What is written of a run; refers to both.
-[[nodiscard]] FieldOutput output_of(const FieldRun& run, const Positions<double>& V);
+/// What is written of a run; refers to it.
+[[nodiscard]] FieldOutput output_of(const FieldRun& run);
 
 /// Writes the field as planned. Into a folder go also what `extra` writes there (it returns the names of its files) and
 /// report.json: what `finish` returns when it is told the files of the run. It is called once, whatever is written.

@@ -50,7 +50,7 @@ Json eigen_json(const EigenReport& eigen) {
 
 /// Of several components: eigenvalues of the largest one, the worst residual, all iterations.
 Json eigen_summary(const FieldRun& run, const FieldRunOptions& options) {
-  const auto& parts = run.topology.components;
+  const auto& parts = run.topology().components;
   const auto largest = static_cast<std::size_t>(
       std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.faces < b.faces; }) -
       parts.begin());
@@ -81,17 +81,18 @@ Json singularity_json(const Singularity& s, Index component) {
 }
 
 Json components_json(const FieldRun& run) {
-  const auto& parts = run.topology.components;
+  const auto& parts = run.topology().components;
   std::vector<double> area(parts.size(), 0.0);
   std::vector<std::int64_t> singular(parts.size(), 0);
   if (parts.size() == 1) {
-    area[0] = run.geometry.total_area();
+    area[0] = run.geometry().total_area();
   } else {
-    for (Index t = 0; t < run.mesh.faces(); ++t)
-      area[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(t)])] += run.geometry.area(t);
+    for (Index t = 0; t < run.mesh().faces(); ++t)
+      area[static_cast<std::size_t>(run.topology().face_component[static_cast<std::size_t>(t)])] +=
+          run.geometry().area(t);
   }
   for (const Singularity& s : run.singularities) {
-    ++singular[static_cast<std::size_t>(run.topology.face_component[static_cast<std::size_t>(s.face)])];
+    ++singular[static_cast<std::size_t>(run.topology().face_component[static_cast<std::size_t>(s.face)])];
   }
   Json list = Json::array();
   for (std::size_t c = 0; c < parts.size(); ++c) {
@@ -118,13 +119,13 @@ Json options_json(const FieldRunOptions& options) {
   Json repairs = Json::array();
   for (const Repair r : options.repairs) repairs.push_back(r == Repair::weld ? "weld" : "orient");
   Json cones = Json::array();
-  for (const Cone& c : options.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
+  for (const Cone& c : options.connection.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
   return {{"n", options.n},
           {"energy", number(options.s)},
-          {"connection", name(options.connection, options.polar.center)},
-          {"detail", number(options.global.detail)},
+          {"connection", name(options.connection.kind, options.connection.polar.center)},
+          {"detail", number(options.connection.global.detail)},
           {"cones", std::move(cones)},
-          {"balance_cones", options.balance_cones},
+          {"balance_cones", options.connection.balance_cones},
           {"tolerance", number(options.eigen.tolerance)},
           {"solver", options.eigen.solver},
           {"method", options.eigen.method},
@@ -263,7 +264,7 @@ Json singularities_json(const FieldRun& run) {
   Json list = Json::array();
   for (const Singularity& s : run.singularities) {
     positive += s.index > 0;
-    list.push_back(singularity_json(s, run.topology.face_component[static_cast<std::size_t>(s.face)]));
+    list.push_back(singularity_json(s, run.topology().face_component[static_cast<std::size_t>(s.face)]));
   }
   return {{"count", run.singularities.size()},
           {"positive", positive},
@@ -274,7 +275,10 @@ Json singularities_json(const FieldRun& run) {
           {"list", std::move(list)}};
 }
 
-Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry& geometry) {
+Json mesh_json(const Surface& surface) {
+  const Mesh& mesh = surface.mesh();
+  const Topology& topology = surface.topology();
+  const Geometry& geometry = surface.geometry();
   std::int64_t genus = 0;
   for (const ComponentInfo& part : topology.components) genus += part.genus;
   const Spread length = spread(mesh.edges(), [&](std::int64_t e) { return geometry.lengths()[e]; });
@@ -296,12 +300,13 @@ Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry& geome
           {"angle_max_degrees", number(angle.most * 180 / pi<double>)}};
 }
 
-Json connection_json(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                     const FieldRunOptions& options) {
-  const Spread density = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t] / geometry.areas()[t]; });
-  const Spread curvature = spread(mesh.faces(), [&](std::int64_t t) { return connection.K[t]; });
+Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& options) {
+  const Connection& connection = surface.connection();
+  const std::int64_t faces = surface.mesh().faces();
+  const Spread density = spread(faces, [&](std::int64_t t) { return connection.K[t] / surface.geometry().areas()[t]; });
+  const Spread curvature = spread(faces, [&](std::int64_t t) { return connection.K[t]; });
   const ConnectionReport& report = connection.report;
-  return {{"kind", name(options.connection, options.polar.center)},
+  return {{"kind", name(options.kind, options.polar.center)},
           {"detail", number(options.global.detail)},
           {"D_T", number(report.D_T)},
           {"D_E", number(report.D_E)},
@@ -348,8 +353,8 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   Json report = report_head("field", certificate.holds());
   report["input"] = input_json(path, file);
   report["options"] = options_json(options);
-  report["mesh"] = mesh_json(run.mesh, run.topology, run.geometry);
-  report["connection"] = connection_json(run.mesh, run.geometry, run.connection, options);
+  report["mesh"] = mesh_json(run.surface);
+  report["connection"] = connection_json(run.surface, options.connection);
   report["eigen"] = eigen_summary(run, options);
   report["singularities"] = singularities_json(run);
   report["components"] = components_json(run);

@@ -35,9 +35,8 @@ inline constexpr int report_version = 1;
 [[nodiscard]] std::string name(ConnectionKind kind, PolarCenter center);
 
 [[nodiscard]] Json input_json(const std::filesystem::path& path, const MeshFile& file);
-[[nodiscard]] Json mesh_json(const Mesh& mesh, const Topology& topology, const Geometry& geometry);
-[[nodiscard]] Json connection_json(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                                   const FieldRunOptions& options);
+[[nodiscard]] Json mesh_json(const Surface& surface);
+[[nodiscard]] Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& options);
 [[nodiscard]] Json remarks_json(const std::vector<Remark>& remarks, bool warnings);
 /// What a run found: counts, sums and the list.
 [[nodiscard]] Json singularities_json(const FieldRun& run);

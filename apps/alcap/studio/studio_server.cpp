@@ -52,7 +52,7 @@ std::uint64_t number_in(const httplib::Request& request, const char* name) {
 }
 
 /// The state; the field is in it only when the tab does not have it yet.
-std::string state_bytes(const StudioState& state, const StudioSurface& surface, std::uint64_t known) {
+std::string state_bytes(const StudioState& state, std::uint64_t known) {
   ViewPack pack;
   pack.meta = {{"revision", state.revision},
                {"result", state.result->id},
@@ -63,8 +63,8 @@ std::string state_bytes(const StudioState& state, const StudioSurface& surface, 
                {"controls", state.result->controls},
                {"seconds", state.result->seconds}};
   if (state.result->id != known) {
-    add_field(pack, state.result->source(surface));
-    add_singularities(pack, state.result->source(surface));
+    add_field(pack, state.result->output());
+    add_singularities(pack, state.result->output());
   }
   return pack.bytes();
 }
@@ -110,10 +110,10 @@ class Handlers {
     server.Get("/api/mesh", [this](const auto&, auto& response) {
       ViewPack pack;
       pack.meta = {{"title", options_.title},
-                   {"euler", session_.surface().topology.euler()},
-                   {"boundary", !session_.surface().topology.loops.empty()},
+                   {"euler", session_.surface().topology().euler()},
+                   {"boundary", !session_.surface().topology().loops.empty()},
                    {"file", session_.file().string()}};
-      add_mesh(pack, session_.surface().mesh, session_.surface().V);
+      add_mesh(pack, session_.surface());
       response.set_content(pack.bytes(), binary);
     });
     server.Get("/api/state",
@@ -125,7 +125,7 @@ class Handlers {
     server.Get("/api/details", [this](const auto& request, auto& response) {
       const StudioState now = session_.state();
       if (number_in(request, "result") != now.result->id) return answer(response, 409, "the field is another by now");
-      response.set_content(now.result->details(session_.surface()), binary);
+      response.set_content(now.result->details(), binary);
     });
     server.Get("/api/design", [this](const auto&, auto& response) {
       attach(response, design_text(session_.state().design), options_.title + ".design.json", "application/json");
@@ -190,7 +190,7 @@ class Handlers {
   }
 
   void state(const httplib::Request& request, httplib::Response& response, const StudioState& state) const {
-    response.set_content(state_bytes(state, session_.surface(), number_in(request, "have")), binary);
+    response.set_content(state_bytes(state, number_in(request, "have")), binary);
   }
 
   /// One of the files of a format, counted from 0: the field in .ply, .vtp, ...
@@ -201,14 +201,7 @@ class Handlers {
       return answer(response, 400, "unknown format; see alcap field --help");
     const ScratchFolder folder;
     const StudioState now = session_.state();
-    const ViewSource source = now.result->source(session_.surface());
-    const auto files = write_field({.mesh = source.mesh,
-                                    .V = source.V,
-                                    .geometry = source.geometry,
-                                    .connection = source.connection,
-                                    .field = source.field,
-                                    .singularities = source.singularities},
-                                   folder.path() / (fs::path("field.") += format));
+    const auto files = write_field(now.result->output(), folder.path() / (fs::path("field.") += format));
     const std::uint64_t part = number_in(request, "part");
     if (part >= files.size()) return answer(response, 404, "no such file");
     std::ifstream in(files[part], std::ios::binary);

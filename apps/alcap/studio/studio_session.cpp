@@ -8,9 +8,9 @@
 
 namespace alcap::app {
 
-StudioSession::StudioSession(const StudioSurface& surface, DesignFile design, std::filesystem::path file)
+StudioSession::StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file)
     : surface_(surface), file_(std::move(file)), solver_(surface) {
-  check_design(design, surface.mesh);
+  check_design(design, surface.mesh());
   now_ = {.design = std::move(design), .result = nullptr};
   try {
     now_.result = solver_.solve(now_.design);
@@ -48,7 +48,7 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
   // Nothing in a request may name a file.
   if (design.guidance.source == DesignGuidance::Source::file)
     throw OptionError("/guidance/field", design.guidance.file.string(), "the studio opens no files named by a page");
-  design = place_design(design, surface_.mesh, surface_.V);
+  design = place_design(design, surface_);
 
   const std::lock_guard lock(mutex_);
   Step next{.design = std::move(design), .result = now_.result};

@@ -29,7 +29,7 @@ struct StudioState {
 class StudioSession {
  public:
   /// Solves `design`. Edits are saved to `file`, which appears complete or not at all. Throws what solving throws.
-  StudioSession(const StudioSurface& surface, DesignFile design, std::filesystem::path file);
+  StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file);
 
   /// Replaces the design by the one in the text (JSON). Edits with the same `gesture`, other than "", are one step of
   /// the history. Throws FileError and OptionError for designs that are not well-formed or not of this surface; one
@@ -41,7 +41,7 @@ class StudioSession {
   [[nodiscard]] StudioState state() const;
   /// Waits until the revision is another than `known`, or some seconds.
   [[nodiscard]] std::uint64_t wait(std::uint64_t known, std::chrono::milliseconds limit) const;
-  [[nodiscard]] const StudioSurface& surface() const { return surface_; }
+  [[nodiscard]] const Surface& surface() const { return surface_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:
@@ -55,7 +55,7 @@ class StudioSession {
   [[nodiscard]] StudioState state_locked() const;
   void changed();
 
-  const StudioSurface& surface_;
+  Surface surface_;
   std::filesystem::path file_;
   StudioSolver solver_;
   mutable std::mutex mutex_;

@@ -13,7 +13,6 @@
 #include "alcap/designer.h"
 #include "alcap/field_run.h"
 #include "alcap/smoothest.h"
-#include "apps/alcap/options/design_options.h"
 
 namespace alcap::app {
 namespace {
@@ -68,15 +67,12 @@ std::vector<std::string> control_keys(const DesignFile& design) {
 
 }  // namespace
 
-StudioSurface::StudioSurface(Positions<double> points, const Faces& F)
-    : V(std::move(points)), mesh(F, V.rows()), topology(find_topology(mesh)), geometry(mesh, V) {}
-
-const std::string& StudioResult::details(const StudioSurface& surface) const {
+const std::string& StudioResult::details() const {
   std::call_once(once_, [&] {
     ViewPack pack;
     pack.meta["result"] = id;
-    add_curves(pack, source(surface), curve_spacing(source(surface)));
-    add_scalars(pack, source(surface));
+    add_curves(pack, output(), curve_spacing(output()));
+    add_scalars(pack, output());
     details_ = pack.bytes();
   });
   return details_;
@@ -87,14 +83,13 @@ struct StudioSolver::State {
     std::string key;
     ControlId id{};
   };
-  explicit State(const StudioSurface& of) : surface(of) {}
+  explicit State(Surface of) : surface(std::move(of)) {}
 
-  const StudioSurface& surface;
+  Surface surface;
   std::uint64_t results = 0;
 
   std::string connection_text;
-  std::shared_ptr<const Connection> connection;
-  std::shared_ptr<const Frames> frames;
+  ConnectedSurface connected;
   std::string guidance_text;
   ComplexVectorX<double> guidance;  // empty: none, or zero
   std::string designer_text;
@@ -106,10 +101,7 @@ struct StudioSolver::State {
     if (text == connection_text) return;
     forget();
     connection_text.clear();
-    const FieldRunOptions how = run_options(design);
-    connection = std::make_shared<const Connection>(
-        make_connection(surface.mesh, surface.geometry, how, make_cones(surface.mesh, surface.geometry, how)));
-    frames = std::make_shared<const Frames>(vertex_frames(surface.mesh, surface.V, surface.geometry, *connection));
+    connected = alcap::connect(surface, connection_options(design));
     connection_text = text;
   }
 
@@ -117,18 +109,15 @@ struct StudioSolver::State {
   [[nodiscard]] ComplexVectorX<double> find_guidance(const DesignFile& design, bool lone) const {
     using Source = DesignGuidance::Source;
     const Source source = lone ? Source::smoothest : design.guidance.source;
-    const auto& [V, mesh, topology, geometry] = surface;
     ComplexVectorX<double> u;
     if (source == Source::smoothest) {
-      u = smoothest_field(mesh, geometry, *connection, frames, {.n = design.n, .s = design.s}).field.u;
+      u = smoothest_field(connected, {.n = design.n, .s = design.s}).field.u;
     } else if (source == Source::curvature || source == Source::least_curvature) {
-      u = curvature_field(mesh, V, geometry, *connection, frames,
-                          {.n = design.n, .smallest = source == Source::least_curvature})
-              .u;
+      u = curvature_field(connected, {.n = design.n, .smallest = source == Source::least_curvature}).u;
     } else {
       return u;
     }
-    const double size = root_mean_square(mesh, geometry, u);
+    const double size = root_mean_square(surface, u);
     if (!(size > 0) || !std::isfinite(size))
       throw OptionError("/guidance/field", name(source), "this surface has no such directions");
     return u / size;
@@ -157,7 +146,7 @@ struct StudioSolver::State {
     held.clear();
     designer_text.clear();
     designer = std::make_unique<Designer>(
-        surface.mesh, surface.V, surface.geometry, *connection,
+        connected,
         DesignerOptions{.n = design.n, .guidance_weight = guided && !g.t ? g.weight : 0.0, .t = g.t, .s = design.s});
     if (guidance.size() > 0) designer->set_guidance(guidance);
     if (!g.weights.empty()) {
@@ -185,25 +174,23 @@ struct StudioSolver::State {
   }
 };
 
-StudioSolver::StudioSolver(const StudioSurface& surface) : state_(std::make_unique<State>(surface)) {}
+StudioSolver::StudioSolver(Surface surface) : state_(std::make_unique<State>(std::move(surface))) {}
 StudioSolver::~StudioSolver() = default;
 
 std::shared_ptr<const StudioResult> StudioSolver::solve(const DesignFile& design) {
   State& s = *state_;
   const auto start = std::chrono::steady_clock::now();
-  const StudioSurface& surface = s.surface;
   if (design.method != DesignMethod::variational)
     throw OptionError("/method", "eigen", "the studio solves variational designs; alcap design solves both");
-  const DesignFile placed = place_design(design, surface.mesh, surface.V);
+  const DesignFile placed = place_design(design, s.surface);
   s.connect(placed);
-  const std::vector<DesignControl> controls =
-      design_controls(placed, surface.mesh, surface.V, surface.geometry, *s.frames);
+  const std::vector<DesignControl> controls = design_controls(placed, s.connected);
   const bool lone = controls.empty() && placed.guidance.source == DesignGuidance::Source::none;
   s.guide(placed, lone);
   auto result = std::make_shared<StudioResult>();
-  result->connection = s.connection;
+  result->surface = s.connected;
   if (lone) {
-    result->field = {.n = placed.n, .u = s.guidance, .frames = s.frames};
+    result->field = {.n = placed.n, .u = s.guidance, .frames = s.connected.frames()};
   } else {
     try {
       s.prepare(placed);
@@ -221,7 +208,7 @@ std::shared_ptr<const StudioResult> StudioSolver::solve(const DesignFile& design
       throw;
     }
   }
-  result->singularities = find_singularities(surface.mesh, surface.geometry, *s.connection, result->field);
+  result->singularities = find_singularities(s.connected, result->field);
   result->id = ++s.results;
   result->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;

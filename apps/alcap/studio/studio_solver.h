@@ -11,37 +11,29 @@
 #include <vector>
 
 #include "alcap/design_file.h"
+#include "alcap/output.h"
 #include "alcap/singularities.h"
-#include "alcap/topology.h"
 #include "apps/alcap/commands/command.h"
 #include "apps/alcap/page/view_scene.h"
 
 namespace alcap::app {
 
-/// What all designs of a studio share. Immutable.
-struct StudioSurface {
-  StudioSurface(Positions<double> points, const Faces& F);
-  Positions<double> V;
-  Mesh mesh;
-  Topology topology;
-  Geometry geometry;
-};
-
 /// A solved design. Immutable, but for what is computed when first asked for.
 class StudioResult {
  public:
   std::uint64_t id = 0;  ///< of this run
-  std::shared_ptr<const Connection> connection;
+  ConnectedSurface surface;
   Field field;
   std::vector<Singularity> singularities;
   Json controls = Json::array();  ///< path, met, error_degrees
   double seconds = 0;
 
-  [[nodiscard]] ViewSource source(const StudioSurface& surface) const {
-    return {surface.mesh, surface.V, surface.geometry, *connection, field, singularities};
+  /// What pages and files are made of; refers to this.
+  [[nodiscard]] FieldOutput output() const {
+    return {.surface = surface, .field = field, .singularities = singularities};
   }
   /// Curves and numbers per face as bytes of a ViewPack; computed once, may be called from several threads.
-  [[nodiscard]] const std::string& details(const StudioSurface& surface) const;
+  [[nodiscard]] const std::string& details() const;
 
  private:
   mutable std::once_flag once_;
@@ -50,7 +42,7 @@ class StudioResult {
 
 class StudioSolver {
  public:
-  explicit StudioSolver(const StudioSurface& surface);
+  explicit StudioSolver(Surface surface);
   ~StudioSolver();
   /// The field of a design; without controls and guidance the smoothest one. Throws OptionError, SolveError.
   [[nodiscard]] std::shared_ptr<const StudioResult> solve(const DesignFile& design);

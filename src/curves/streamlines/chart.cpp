@@ -18,29 +18,29 @@ void check_rows(const char* what, std::int64_t rows, std::int64_t expected) {
 
 }  // namespace
 
-Flow::Flow(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
-           const Field& field)
-    : mesh_(mesh), V_(V), geometry_(geometry), connection_(connection), field_(field) {
+Flow::Flow(const ConnectedSurface& surface, const Field& field)
+    : mesh_(surface.mesh()),
+      V_(surface.positions()),
+      geometry_(surface.geometry()),
+      connection_(surface.connection()),
+      field_(field) {
   if (field.n < 1) throw OptionError("field.n", std::to_string(field.n), "must be at least 1");
-  check_rows("V", V.rows(), mesh.vertices());
-  check_rows("geometry.areas", geometry.areas().size(), mesh.faces());
-  check_rows("connection.tau", connection.tau.size(), mesh.halfedges());
-  check_rows("field.u", field.u.size(), mesh.vertices());
+  check_rows("field.u", field.u.size(), mesh_.vertices());
   Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  for (Index v = 0; v < mesh.vertices(); ++v) {
-    if (!mesh.referenced(v)) continue;
-    if (!V.row(v).allFinite() || !std::isfinite(field.u[v].real()) || !std::isfinite(field.u[v].imag()))
-      throw OptionError(V.row(v).allFinite() ? "field.u" : "V", "not finite",
+  for (Index v = 0; v < mesh_.vertices(); ++v) {
+    if (!mesh_.referenced(v)) continue;
+    if (!V_.row(v).allFinite() || !std::isfinite(field.u[v].real()) || !std::isfinite(field.u[v].imag()))
+      throw OptionError(V_.row(v).allFinite() ? "field.u" : "V", "not finite",
                         "vertex " + std::to_string(v) + " must have finite values");
-    low = low.cwiseMin(V.row(v));
-    high = high.cwiseMax(V.row(v));
+    low = low.cwiseMin(V_.row(v));
+    high = high.cwiseMax(V_.row(v));
   }
   diagonal_ = (high - low).norm();
   if (!(diagonal_ > 0) || !std::isfinite(diagonal_))
     throw OptionError("V", std::to_string(diagonal_), "the box around the vertices must have a diagonal");
-  mean_edge_ = geometry.lengths().mean();
-  zeros_ = find_singularities(mesh, geometry, connection, field);
-  zero_of_.assign(static_cast<std::size_t>(mesh.faces()), none);
+  mean_edge_ = geometry_.lengths().mean();
+  zeros_ = find_singularities(surface, field);
+  zero_of_.assign(static_cast<std::size_t>(mesh_.faces()), none);
   for (std::size_t k = 0; k < zeros_.size(); ++k)
     zero_of_[static_cast<std::size_t>(zeros_[k].face)] = static_cast<Index>(k);
 }

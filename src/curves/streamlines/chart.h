@@ -12,6 +12,7 @@
 #include <span>
 #include <vector>
 
+#include "alcap/connected_surface.h"
 #include "alcap/streamlines.h"
 #include "kernels/complex.h"
 
@@ -106,11 +107,11 @@ struct FaceChart {
   return b;
 }
 
-/// A field on its surface, with what tracing needs to know of the whole. Checks its arguments: throws OptionError.
+/// A field on its surface, with what tracing needs to know of the whole. Refers to both. Checks its arguments: throws
+/// OptionError.
 class Flow {
  public:
-  Flow(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
-       const Field& field);
+  Flow(const ConnectedSurface& surface, const Field& field);
 
   [[nodiscard]] const Mesh& mesh() const { return mesh_; }
   [[nodiscard]] const Geometry& geometry() const { return geometry_; }

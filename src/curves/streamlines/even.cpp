@@ -261,10 +261,9 @@ class EvenlySpaced {
 
 namespace alcap {
 
-CurveSet streamlines(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                     const Connection& connection, const Field& field, const StreamlineOptions& options) {
+CurveSet streamlines(const ConnectedSurface& surface, const Field& field, const StreamlineOptions& options) {
   detail::check(options);
-  const detail::Flow flow(mesh, V, geometry, connection, field);
+  const detail::Flow flow(surface, field);
   return detail::collect(flow, detail::EvenlySpaced(flow, options).run());
 }
 

@@ -64,14 +64,13 @@ Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi
 }  // namespace
 }  // namespace detail
 
-CurveSet separatrices(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                      const Connection& connection, const Field& field, std::span<const Singularity> singularities,
+CurveSet separatrices(const ConnectedSurface& surface, const Field& field, std::span<const Singularity> singularities,
                       const StreamlineOptions& options) {
   detail::check(options);
-  const detail::Flow flow(mesh, V, geometry, connection, field);
+  const detail::Flow flow(surface, field);
   const detail::PathLimits limits = detail::limits(flow, options);
   for (std::size_t k = 0; k < singularities.size(); ++k)
-    if (singularities[k].face < 0 || singularities[k].face >= mesh.faces())
+    if (singularities[k].face < 0 || singularities[k].face >= surface.mesh().faces())
       throw OptionError("singularities[" + std::to_string(k) + "]", std::to_string(singularities[k].face),
                         "there is no such face");
   std::vector<std::vector<detail::Curve>> found(singularities.size());

@@ -118,15 +118,14 @@ void CurveSet::append(const CurveSet& other) {
   end_reason.insert(end_reason.end(), other.end_reason.begin(), other.end_reason.end());
 }
 
-CurveSet trace_curves(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                      const Connection& connection, const Field& field, std::span<const CurveSeed> seeds,
+CurveSet trace_curves(const ConnectedSurface& surface, const Field& field, std::span<const CurveSeed> seeds,
                       const StreamlineOptions& options) {
   detail::check(options);
-  const detail::Flow flow(mesh, V, geometry, connection, field);
+  const detail::Flow flow(surface, field);
   const detail::PathLimits limits = detail::limits(flow, options);
   std::vector<SurfacePoint> starts;
   for (std::size_t k = 0; k < seeds.size(); ++k) {
-    starts.push_back(checked(mesh, seeds[k].point, k));
+    starts.push_back(checked(surface.mesh(), seeds[k].point, k));
     if (!std::isfinite(seeds[k].angle))
       throw OptionError("seeds[" + std::to_string(k) + "].angle", std::to_string(seeds[k].angle), "must be finite");
   }

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "alcap/strokes.h"
+#include "alcap/surface.h"
 
 namespace alcap {
 namespace {
@@ -56,10 +57,9 @@ double squared_distance(const Point& low, const Point& high, const Point& x) {
 
 }  // namespace
 
-SurfaceLocator::SurfaceLocator(const Mesh& mesh, const Positions<double>& V) {
-  if (V.rows() != mesh.vertices())
-    throw OptionError("V", std::to_string(V.rows()) + " rows",
-                      "needs one per vertex: " + std::to_string(mesh.vertices()));
+SurfaceLocator::SurfaceLocator(const Surface& surface) {
+  const Mesh& mesh = surface.mesh();
+  const Positions<double>& V = surface.positions();
   corners_.resize(static_cast<std::size_t>(mesh.faces()));
   for (Index t = 0; t < mesh.faces(); ++t)
     for (Index c = 0; c < 3; ++c)

@@ -9,6 +9,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "alcap/surface.h"
 #include "src/curves/strokes/trace.h"
 
 namespace alcap {
@@ -147,8 +148,10 @@ SurfacePolyline SurfacePolyline::reversed() const {
   return out;
 }
 
-SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                      const std::vector<SurfacePoint>& points) {
+SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<SurfacePoint>& points) {
+  const Mesh& mesh = surface.mesh();
+  const Positions<double>& V = surface.positions();
+  const Geometry& geometry = surface.geometry();
   SurfacePolyline line;
   std::vector<SurfacePoint> at;
   std::vector<std::size_t> number;
@@ -180,7 +183,9 @@ SurfacePolyline stroke_through_points(const Mesh& mesh, const Positions<double>&
   return line;
 }
 
-SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry& geometry, const std::vector<Index>& vertices) {
+SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<Index>& vertices) {
+  const Mesh& mesh = surface.mesh();
+  const Geometry& geometry = surface.geometry();
   for (std::size_t k = 0; k < vertices.size(); ++k)
     if (vertices[k] < 0 || vertices[k] >= mesh.vertices() || !mesh.referenced(vertices[k]))
       throw OptionError("vertices[" + std::to_string(k) + "]", std::to_string(vertices[k]),
@@ -221,16 +226,15 @@ SurfacePolyline stroke_along_vertices(const Mesh& mesh, const Geometry& geometry
   return line;
 }
 
-SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                  const SurfaceLocator& locator, const Positions<double>& points) {
+SurfacePolyline stroke_from_space(const Surface& surface, const SurfaceLocator& locator,
+                                  const Positions<double>& points) {
   std::vector<SurfacePoint> on_surface;
   for (Eigen::Index k = 0; k < points.rows(); ++k) on_surface.push_back(locator.closest(points.row(k)));
-  return stroke_through_points(mesh, V, geometry, on_surface);
+  return stroke_through_points(surface, on_surface);
 }
 
-SurfacePolyline stroke_from_space(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                                  const Positions<double>& points) {
-  return stroke_from_space(mesh, V, geometry, SurfaceLocator(mesh, V), points);
+SurfacePolyline stroke_from_space(const Surface& surface, const Positions<double>& points) {
+  return stroke_from_space(surface, SurfaceLocator(surface), points);
 }
 
 }  // namespace alcap

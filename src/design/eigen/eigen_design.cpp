@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "alcap/connected_surface.h"
 #include "alcap/energies.h"
 #include "alcap/operators.h"
 #include "alcap/singularities.h"
@@ -24,10 +25,6 @@ constexpr double stroke_scale = 10;
 // Reward of the mean along a stroke, beside that of the square: without it the field may turn back halfway, which for
 // even n means across.
 constexpr double mean_reward = 10;
-// A stroke within this many degrees on average is followed.
-constexpr double met_degrees = 10;
-// A singularity is met when its orientation is off by no more than this.
-constexpr double target_degrees = 0.5;
 // Reward of the flux of a target of strength 1, in units of area of the component over area of its face: enough for the
 // eigenvalue to fall well below the smoothest field's, so that the field is what the targets make of it.
 constexpr double target_reward = 1000;
@@ -108,7 +105,7 @@ ControlReport judge(std::size_t number, const SingularityTarget& target, const T
                     const ComplexVectorX<double>& u) {
   ControlReport report{.id = static_cast<ControlId>(number), .index = index};
   report.error_degrees = std::abs(std::arg(flux.at(u))) / detail::target_turns(n, target.sign) * 180 / pi<double>;
-  report.met = index == target.sign && report.error_degrees <= target_degrees;
+  report.met = index == target.sign && report.error_degrees <= target_met_degrees;
   return report;
 }
 
@@ -126,29 +123,26 @@ EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n,
   }
   report.mean_degrees /= length;
   report.magnitude *= std::sqrt(area) / length;  // int |u|^2 = 1
-  report.met = report.mean_degrees <= met_degrees;
+  report.met = report.mean_degrees <= stroke_met_degrees;
   return report;
 }
 
 }  // namespace
 
-EigenDesignResult eigen_design(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                               std::shared_ptr<const Frames> frames, const EigenControls& controls,
+EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenControls& controls,
                                const EigenDesignOptions& options) {
+  const Mesh& mesh = surface.mesh();
+  const Geometry& geometry = surface.geometry();
+  const Connection& connection = surface.connection();
+  const Topology& topology = surface.topology();
   validate(mesh, controls, options);
   const std::vector<EigenStroke>& strokes = controls.strokes;
   const auto start = std::chrono::steady_clock::now();
   EigenDesignResult result;
   result.field.n = options.n;
-  result.field.frames = std::move(frames);
+  if (surface.in_space()) result.field.frames = surface.frames();
   result.field.u = ComplexVectorX<double>::Zero(mesh.vertices());
-  StiffnessMass matrices;
-  {
-    const HermitianPattern pattern(mesh);
-    matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
-    apply_energy_family(mesh, pattern, geometry, connection, options.n, options.s, matrices.S);
-  }
-  const Topology topology = find_topology(mesh);
+  const StiffnessMass matrices = energy_matrices(surface, options.n, options.s);
   const std::vector<double> areas = detail::areas_of_components(geometry, topology);
   const std::vector<std::vector<Index>> vertices = detail::vertices_of_components(topology);
   std::vector<Index> local(static_cast<std::size_t>(mesh.vertices()), none);

@@ -67,13 +67,12 @@ double swirl(SingularityKind kind) {
   return kind == SingularityKind::vortex ? 90 : kind == SingularityKind::sink ? 180 : 0;
 }
 
-SurfacePolyline traced(const std::string& path, const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
-                       const DesignStroke& stroke) {
+SurfacePolyline traced(const std::string& path, const Surface& surface, const DesignStroke& stroke) {
   try {
-    if (!stroke.vertices.empty()) return stroke_along_vertices(mesh, geometry, stroke.vertices);
+    if (!stroke.vertices.empty()) return stroke_along_vertices(surface, stroke.vertices);
     std::vector<SurfacePoint> points;
     for (const DesignPoint& p : stroke.points) points.push_back({p.face, p.barycentric});
-    return stroke_through_points(mesh, V, geometry, points);
+    return stroke_through_points(surface, points);
   } catch (const OptionError& e) {
     const std::string head = OptionError(e.field(), e.value(), "").what();
     throw OptionError(path, e.field() + " " + e.value(), std::string(e.what()).substr(head.size()));
@@ -94,12 +93,14 @@ std::string detail::label(const DesignStroke& s, std::size_t number) {
   return s.name.empty() ? "stroke " + std::to_string(number) : s.name;
 }
 
-DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positions<double>& V) {
+DesignFile place_design(const DesignFile& design, const Surface& surface) {
+  const Mesh& mesh = surface.mesh();
+  const Positions<double>& V = surface.positions();
   check_design(design, mesh);
   DesignFile placed = design;
   std::optional<SurfaceLocator> locator;  // made when a point of space is met
   const auto nearest_point = [&](const Vector3& at) {
-    if (!locator) locator.emplace(mesh, V);
+    if (!locator) locator.emplace(surface);
     return locator->closest(row(at));
   };
   for (const DesignConeAt& cone : placed.connection.cones_at)
@@ -136,15 +137,28 @@ DesignFile place_design(const DesignFile& design, const Mesh& mesh, const Positi
   return placed;
 }
 
-std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh& mesh, const Positions<double>& V,
-                                           const Geometry& geometry, const Frames& frames) {
+ConnectionOptions connection_options(const DesignFile& design) {
+  const DesignConnection& c = design.connection;
+  return {.kind = c.kind,
+          .polar = {.center = c.center},
+          .global = {.detail = c.detail},
+          .cones = c.cones,
+          .balance_cones = c.balance,
+          .generator_holonomy = c.holonomy,
+          .loop_index = c.loops,
+          .n = design.n};
+}
+
+std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface) {
+  const std::shared_ptr<const Frames> frames = surface.frames();
   std::vector<DesignControl> controls;
   const int n = design.n;
   for (std::size_t k = 0; k < design.singularities.size(); ++k) {
     const DesignSingularity& s = design.singularities[k];
     const std::string at = path("singularities", k);
     double angle = (s.angle + swirl(s.kind)) * degree;
-    if (s.relative_to) angle += face_direction(at + "/relative_to", mesh, V, s.face, *s.relative_to);
+    if (s.relative_to)
+      angle += face_direction(at + "/relative_to", surface.mesh(), surface.V(), s.face, *s.relative_to);
     controls.push_back({at, detail::label(s),
                         SingularityTarget{.face = s.face,
                                           .sign = index_of(s.kind),
@@ -156,8 +170,8 @@ std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh&
     const DesignFixed& f = design.fixed[k];
     const std::string at = path("fixed", k);
     double angle = f.angle.value_or(0.0) * degree;
-    if (f.direction) angle += vertex_direction(at + "/direction", frames, f.vertex, *f.direction);
-    if (f.relative_to) angle += vertex_direction(at + "/relative_to", frames, f.vertex, *f.relative_to);
+    if (f.direction) angle += vertex_direction(at + "/direction", *frames, f.vertex, *f.direction);
+    if (f.relative_to) angle += vertex_direction(at + "/relative_to", *frames, f.vertex, *f.relative_to);
     controls.push_back(
         {at, detail::label(f),
          VertexConstraint{
@@ -167,7 +181,7 @@ std::vector<DesignControl> design_controls(const DesignFile& design, const Mesh&
     const DesignStroke& s = design.strokes[k];
     controls.push_back(
         {path("strokes", k), detail::label(s, k),
-         Stroke{.weight = s.weight, .line = traced(path("strokes", k), mesh, V, geometry, s), .radius = s.radius}});
+         Stroke{.weight = s.weight, .line = traced(path("strokes", k), surface, s), .radius = s.radius}});
   }
   if (design.boundary.wanted)
     controls.push_back({"/boundary", design.boundary.normal ? "across the boundary" : "along the boundary",

@@ -46,9 +46,8 @@ void Designer::State::make_live(Prepared& p) {
   p.live_since = ++clock;
 }
 
-Designer::Designer(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry, const Connection& connection,
-                   const DesignerOptions& options)
-    : state_(std::make_unique<State>(mesh, V, geometry, connection, options)) {}
+Designer::Designer(const ConnectedSurface& surface, const DesignerOptions& options)
+    : state_(std::make_unique<State>(surface, options)) {}
 Designer::~Designer() = default;
 Designer::Designer(Designer&&) noexcept = default;
 Designer& Designer::operator=(Designer&&) noexcept = default;

@@ -24,10 +24,6 @@ using detail::Prepared;
 
 // Exact rows get this compliance, relative to the others': rows that say the same twice stay solvable.
 constexpr double exact_compliance = 1e-12;
-// A target is met when its orientation is off by no more than this.
-constexpr double met_degrees = 0.5;
-// Strokes are met within this many degrees on average: drawn to, not tied to.
-constexpr double stroke_degrees = 10;
 
 }  // namespace
 
@@ -99,24 +95,13 @@ void Designer::State::solve_loads(DesignResult& result) {
   if (!b.isZero(0)) result.residual = residual<C>(A, result.field.u, b);
 }
 
-void Designer::State::apply_rows(DesignResult& result) {
-  struct RealRow {
-    const ControlRow* row;
-    Eigen::Index number;  // of the row in its control
-    C factor;             // the functional is Re(factor row.at(u))
-    double target;
-  };
-  struct Group {
-    const Prepared* owner;
-    std::vector<RealRow> rows;
-    Eigen::Index first;
-  };
-  std::vector<Group> groups;
+std::vector<Designer::State::RowGroup> Designer::State::collect_rows(DesignResult& result) {
+  std::vector<RowGroup> groups;
   Eigen::Index count = 0;
   for (auto& [id, p] : prepared) {
     if (!is_update(p)) continue;
     solve_rows(p, result);
-    Group group{&p, {}, count};
+    RowGroup group{&p, {}, count};
     for (std::size_t k = 0; k < p.load.rows.size(); ++k) {
       const ControlRow& row = p.load.rows[k];
       const auto number = static_cast<Eigen::Index>(k);
@@ -131,11 +116,15 @@ void Designer::State::apply_rows(DesignResult& result) {
     count += static_cast<Eigen::Index>(group.rows.size());
     groups.push_back(std::move(group));
   }
-  if (count == 0) return;
+  return groups;
+}
+
+VectorX<double> Designer::State::multipliers(const std::vector<RowGroup>& groups, const ComplexVectorX<double>& u) {
+  const Eigen::Index count = groups.back().first + static_cast<Eigen::Index>(groups.back().rows.size());
   MatrixX<double> G = MatrixX<double>::Zero(count, count);
   VectorX<double> missing(count), compliance(count);
-  for (const Group& a : groups) {
-    for (const Group& b : groups) {
+  for (const RowGroup& a : groups) {
+    for (const RowGroup& b : groups) {
       const MatrixX<C> complex = response(*a.owner, *b.owner);
       for (std::size_t j = 0; j < b.rows.size(); ++j)
         for (std::size_t i = 0; i < a.rows.size(); ++i)
@@ -145,15 +134,21 @@ void Designer::State::apply_rows(DesignResult& result) {
     for (std::size_t i = 0; i < a.rows.size(); ++i) {
       const RealRow& row = a.rows[i];
       const Eigen::Index at = a.first + static_cast<Eigen::Index>(i);
-      missing[at] = (row.factor * row.row->at(result.field.u)).real() - row.target;
+      missing[at] = (row.factor * row.row->at(u)).real() - row.target;
       compliance[at] = row.row->weight > 0 ? 1 / row.row->weight : 0;
     }
   }
   const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
   for (Eigen::Index i = 0; i < count; ++i) G(i, i) += compliance[i] > 0 ? compliance[i] : exact;
-  const VectorX<double> mu = G.ldlt().solve(missing);
+  return G.ldlt().solve(missing);
+}
+
+void Designer::State::apply_rows(DesignResult& result) {
+  const std::vector<RowGroup> groups = collect_rows(result);
+  if (groups.empty()) return;
+  const VectorX<double> mu = multipliers(groups, result.field.u);
   ComplexVectorX<double> push;  // R' mu of the controls without columns
-  for (const Group& group : groups) {
+  for (const RowGroup& group : groups) {
     const auto& rows = group.owner->load.rows;
     ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t i = 0; i < group.rows.size(); ++i)
@@ -184,13 +179,14 @@ ControlReport Designer::State::judge(ControlId id, const Control& control, const
     for (Index c = 0; c < 3; ++c) value += load.coefficient[static_cast<std::size_t>(c)] * u[mesh.F()(target->face, c)];
     const int turns = detail::target_turns(options.n, target->sign);
     report.error_degrees = std::abs(wrap(std::arg(value) - turns * target->orientation)) / turns * degrees;
-    report.met = report.index == target->sign && report.error_degrees <= met_degrees;
+    report.met = report.index == target->sign && report.error_degrees <= target_met_degrees;
   } else if (const auto* constraint = std::get_if<VertexConstraint>(&control)) {
     const C value = u[constraint->vertex];
     const double size = std::abs(constraint->value) + u.cwiseAbs().maxCoeff();
     report.error_degrees = std::abs(wrap(std::arg(value) - std::arg(constraint->value))) / options.n * degrees;
-    report.met = constraint->direction_only ? std::abs(value) > 1e-9 * size && report.error_degrees <= met_degrees
-                                            : std::abs(value - constraint->value) <= 1e-6 * size;
+    report.met = constraint->direction_only
+                     ? std::abs(value) > 1e-9 * size && report.error_degrees <= target_met_degrees
+                     : std::abs(value - constraint->value) <= 1e-6 * size;
   } else {
     double sum = 0, weights = 0;
     for (const ControlRow& row : load.rows) {
@@ -198,7 +194,7 @@ ControlReport Designer::State::judge(ControlId id, const Control& control, const
       weights += row.weight;
     }
     report.error_degrees = sum / weights * degrees;
-    report.met = report.error_degrees <= stroke_degrees;
+    report.met = report.error_degrees <= stroke_met_degrees;
   }
   return report;
 }

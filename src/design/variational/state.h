@@ -2,8 +2,8 @@
 //
 // state.h: what a Designer keeps between calls, and the steps of a solve. Internal to designer.
 //
-// designer.cpp: controls come and go. designer_system.cpp: the matrix, its factorisation and the guidance.
-// designer_solve.cpp: right-hand sides, low-rank rows, the verdict on every control.
+// designer.cpp: controls come and go. system.cpp: the matrix, its factorisation and the guidance.
+// solve.cpp: right-hand sides, low-rank rows, the verdict on every control.
 #pragma once
 
 #include <map>
@@ -11,7 +11,9 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "alcap/connected_surface.h"
 #include "alcap/designer.h"
 #include "alcap/energies.h"
 #include "src/design/variational/rows.h"
@@ -48,6 +50,7 @@ struct Designer::State {
   // Inverse iterations that tell a singular system.
   static constexpr int probes = 4;
 
+  const ConnectedSurface surface;  // keeps alive what the next three refer to
   const Mesh& mesh;
   const Geometry& geometry;
   const Connection& connection;
@@ -73,9 +76,8 @@ struct Designer::State {
   bool stale = false;         // A is not what is factorised
   MatrixX<C> common;          // A^-1 of everything but live targets; no columns: unknown
 
-  // The system: designer_system.cpp.
-  State(const Mesh& mesh_, const Positions<double>& V_, const Geometry& geometry_, const Connection& connection_,
-        const DesignerOptions& options_);
+  // The system: system.cpp.
+  State(const ConnectedSurface& surface_, const DesignerOptions& options_);
   void tell(std::string_view phase) const {
     if (options.progress) options.progress(phase);
   }
@@ -124,7 +126,7 @@ struct Designer::State {
   void solve(const MatrixX<C>& B, MatrixX<C>& X, DesignResult& result) const;
   [[nodiscard]] static std::string shown(double value);
 
-  // A solve: designer_solve.cpp.
+  // A solve: solve.cpp.
   [[nodiscard]] bool is_update(const Prepared& p) const { return !p.load.rows.empty() && !(p.load.soft() && folded); }
   void solve_rows(Prepared& p, DesignResult& result) const;
   // R_a A^-1 R_b' of all rows of two controls.
@@ -138,6 +140,24 @@ struct Designer::State {
   [[nodiscard]] ComplexVectorX<double> common_load() const;
   // The solution before the rows, from the common one and the live ones.
   void solve_loads(DesignResult& result);
+  // A row as one or two real functionals Re(factor row.at(u)) = target.
+  struct RealRow {
+    const ControlRow* row;
+    Eigen::Index number;  // of the row in its control
+    C factor;
+    double target;
+  };
+  // The rows of one control; the first one's number among all.
+  struct RowGroup {
+    const Prepared* owner;
+    std::vector<RealRow> rows;
+    Eigen::Index first;
+  };
+  // Rows that are an update of the solution, solved for where they are not yet.
+  [[nodiscard]] std::vector<RowGroup> collect_rows(DesignResult& result);
+  // mu of all rows, for the solution u before them.
+  [[nodiscard]] static VectorX<double> multipliers(const std::vector<RowGroup>& groups,
+                                                   const ComplexVectorX<double>& u);
   void apply_rows(DesignResult& result);
   [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field& field) const;
 

@@ -28,14 +28,14 @@ std::string Designer::State::shown(double value) {
   return text;
 }
 
-Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geometry& geometry_,
-                       const Connection& connection_, const DesignerOptions& options_)
-    : mesh(mesh_),
-      geometry(geometry_),
-      connection(connection_),
+Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& options_)
+    : surface(surface_),
+      mesh(surface.mesh()),
+      geometry(surface.geometry()),
+      connection(surface.connection()),
       options(options_),
-      pattern(mesh_),
-      loads({mesh_, V_, geometry_, connection_, operators, options_.n}) {
+      pattern(mesh),
+      loads({mesh, surface.positions(), geometry, connection, operators, options.n}) {
   validate();
   tell("assembly");
   StiffnessMass matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
@@ -47,7 +47,7 @@ Designer::State::State(const Mesh& mesh_, const Positions<double>& V_, const Geo
   for (Index v = 0; v < mesh.vertices(); ++v)
     if (!mesh.referenced(v)) S2.valuePtr()[pattern.diagonal(v)] = 1;  // stays zero
   operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
-  frames = std::make_shared<const Frames>(vertex_frames(mesh, V_, geometry, connection));
+  frames = surface.frames();
   guidance = ComplexVectorX<double>::Zero(mesh.vertices());
   solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = all_right_hand_sides()});
   solver->set_transport(M);

@@ -19,13 +19,13 @@ std::string header(const FieldOutput& out) {
   text += "comment all of it is zero at vertices that no face uses\n";
   text += "obj_info alcap_field 1\n";
   text += "obj_info n " + std::to_string(out.field.n) + "\n";
-  text += "obj_info connection " + std::string(connection_name(out.connection.kind)) + "\n";
-  text += "element vertex " + std::to_string(out.mesh.vertices()) + "\n";
+  text += "obj_info connection " + std::string(connection_name(out.surface.connection().kind)) + "\n";
+  text += "element vertex " + std::to_string(out.surface.mesh().vertices()) + "\n";
   for (const char* name :
        {"x", "y", "z", "nx", "ny", "nz", "axis_x", "axis_y", "axis_z", "u_re", "u_im", "d_x", "d_y", "d_z"}) {
     text += std::string("property double ") + name + "\n";
   }
-  text += "element face " + std::to_string(out.mesh.faces()) + "\n";
+  text += "element face " + std::to_string(out.surface.mesh().faces()) + "\n";
   text += "property list uchar int vertex_indices\nend_header\n";
   return text;
 }
@@ -36,10 +36,10 @@ WrittenFiles write(const FieldJob& job, const Target& target) {
   WrittenFiles files = open_files({target.file});
   AtomicFile& file = *files[0];
   file.write(header(out));
-  write_table(file, out.mesh.vertices(), 14 * sizeof(double), [&](std::int64_t i, char* to) {
+  write_table(file, out.surface.mesh().vertices(), 14 * sizeof(double), [&](std::int64_t i, char* to) {
     const auto v = static_cast<Index>(i);
     const Eigen::RowVector3d d = branches.at(out.field, v).vector(0);
-    for (int c = 0; c < 3; ++c) to = put_binary(to, out.V(v, c));
+    for (int c = 0; c < 3; ++c) to = put_binary(to, out.surface.V()(v, c));
     for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->N(v, c));
     for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->X(v, c));
     to = put_binary(to, out.field.u[v].real());
@@ -47,9 +47,9 @@ WrittenFiles write(const FieldJob& job, const Target& target) {
     for (int c = 0; c < 3; ++c) to = put_binary(to, d[c]);
     return to;
   });
-  write_table(file, out.mesh.faces(), 1 + 3 * sizeof(std::int32_t), [&](std::int64_t t, char* to) {
+  write_table(file, out.surface.mesh().faces(), 1 + 3 * sizeof(std::int32_t), [&](std::int64_t t, char* to) {
     to = put_binary(to, std::uint8_t{3});
-    for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{out.mesh.F()(t, c)});
+    for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{out.surface.mesh().F()(t, c)});
     return to;
   });
   return files;

@@ -87,7 +87,7 @@ WrittenFiles write(const Field& field, const std::vector<Pole>& poles, const Tar
 
 WrittenFiles write_per_face(const FieldJob& job, const Target& target) {
   const Field& field = job.at_faces();
-  const std::vector<int> indices = vertex_indices(job.out.mesh, job.out.geometry, field);
+  const std::vector<int> indices = vertex_indices(job.out.surface, field);
   std::vector<Pole> poles;
   for (std::size_t v = 0; v < indices.size(); ++v) {
     if (indices[v] != 0) poles.push_back({static_cast<Index>(v), indices[v]});

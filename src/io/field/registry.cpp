@@ -58,10 +58,11 @@ void check_size(const char* what, std::int64_t size, std::int64_t expected) {
 
 void check_finite(const FieldOutput& out) {
   const auto finite = [&](Index v) {
-    return std::isfinite(out.field.u[v].real()) && std::isfinite(out.field.u[v].imag()) && out.V.row(v).allFinite();
+    return std::isfinite(out.field.u[v].real()) && std::isfinite(out.field.u[v].imag()) &&
+           out.surface.V().row(v).allFinite();
   };
   const Index first = parallel_reduce(
-      std::int64_t{out.mesh.vertices()}, none,
+      std::int64_t{out.surface.mesh().vertices()}, none,
       [&](std::int64_t begin, std::int64_t end) {
         for (auto v = static_cast<Index>(begin); v < end; ++v)
           if (!finite(v)) return v;
@@ -70,16 +71,14 @@ void check_finite(const FieldOutput& out) {
       [](Index a, Index b) { return a == none ? b : a; });
   if (first == none) return;
   const std::string vertex = "vertex " + std::to_string(first) + " must have a finite ";
-  if (out.V.row(first).allFinite()) throw OptionError("field.u", "not finite", vertex + "value");
+  if (out.surface.V().row(first).allFinite()) throw OptionError("field.u", "not finite", vertex + "value");
   throw OptionError("V", "not finite", vertex + "position");
 }
 
 void check(const FieldOutput& out) {
-  const Index vertices = out.mesh.vertices(), faces = out.mesh.faces();
+  const Index vertices = out.surface.mesh().vertices(), faces = out.surface.mesh().faces();
   if (out.field.n < 1) throw OptionError("field.n", std::to_string(out.field.n), "must be at least 1");
-  check_size("V", out.V.rows(), vertices);
-  check_size("geometry.areas", out.geometry.areas().size(), faces);
-  check_size("connection.K", out.connection.K.size(), faces);
+  (void)out.surface.positions();  // throws where there are none
   check_size("field.u", out.field.u.size(), vertices);
   if (!out.field.frames) throw OptionError("field.frames", "none", "vectors in space need frames: see vertex_frames()");
   check_size("field.frames.X", out.field.frames->X.rows(), vertices);
@@ -104,8 +103,7 @@ void check(const FieldOutput& out) {
 
 FieldJob::FieldJob(const FieldOutput& output, bool with_faces) : out(output) {
   if (!with_faces) return;
-  at_faces_ = alcap::at_faces(out.mesh, out.geometry, out.connection, out.field,
-                              std::make_shared<const Frames>(face_frames(out.mesh, out.V)));
+  at_faces_ = alcap::at_faces(out.surface, out.field);
 }
 
 WrittenFiles open_files(const std::vector<std::filesystem::path>& paths) {

@@ -23,16 +23,18 @@ Array vectors(std::string name, const Positions<double>& rows) {
 void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<std::int32_t>& index) {
   const Field& field = out.field;
   const Branches branches(field.n);
-  const std::int64_t vertices = out.mesh.vertices(), faces = out.mesh.faces();
+  const std::int64_t vertices = out.surface.mesh().vertices(), faces = out.surface.mesh().faces();
 
-  const Section points{"Points", "", {vectors("Points", out.V)}};
-  const Section polys{
-      "Polys",
-      "",
-      {array<std::int32_t, 1>("connectivity", 3 * faces,
-                              [&](std::int64_t h, std::int32_t* x) { x[0] = out.mesh.tail(static_cast<Index>(h)); }),
-       array<std::int32_t, 1>("offsets", faces,
-                              [](std::int64_t t, std::int32_t* x) { x[0] = static_cast<std::int32_t>(3 * (t + 1)); })}};
+  const Section points{"Points", "", {vectors("Points", out.surface.V())}};
+  const Section polys{"Polys",
+                      "",
+                      {array<std::int32_t, 1>("connectivity", 3 * faces,
+                                              [&](std::int64_t h, std::int32_t* x) {
+                                                x[0] = out.surface.mesh().tail(static_cast<Index>(h));
+                                              }),
+                       array<std::int32_t, 1>("offsets", faces, [](std::int64_t t, std::int32_t* x) {
+                         x[0] = static_cast<std::int32_t>(3 * (t + 1));
+                       })}};
 
   Section at_points{"PointData", " Scalars=\"magnitude\" Vectors=\"d_0\" Normals=\"normal\"", {}};
   for (int k = 0; k < field.n; ++k) {
@@ -51,7 +53,7 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
   at_points.arrays.push_back(vectors("normal", field.frames->N));
 
   Section in_faces{"CellData", "", {}};
-  in_faces.arrays.push_back(scalars("K", faces, out.connection.K.data()));
+  in_faces.arrays.push_back(scalars("K", faces, out.surface.connection().K.data()));
   in_faces.arrays.push_back(array<std::int32_t, 1>(
       "index", faces, [&](std::int64_t t, std::int32_t* x) { x[0] = index[static_cast<std::size_t>(t)]; }));
   for (const FaceScalars& s : out.face_scalars) in_faces.arrays.push_back(scalars(s.name, faces, s.values.data()));
@@ -75,8 +77,8 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
   const Section points{"Points", "", {array<double, 3>("Points", count, [&](std::int64_t i, double* x) {
                          Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
                          for (int c = 0; c < 3; ++c) {
-                           sum +=
-                               at(i).barycentric[static_cast<std::size_t>(c)] * out.V.row(out.mesh.F()(at(i).face, c));
+                           sum += at(i).barycentric[static_cast<std::size_t>(c)] *
+                                  out.surface.V().row(out.surface.mesh().F()(at(i).face, c));
                          }
                          put_vector(x, sum);
                        })}};
@@ -100,7 +102,7 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
 }
 
 WrittenFiles write(const FieldJob& job, const Target& target) {
-  std::vector<std::int32_t> index(static_cast<std::size_t>(job.out.mesh.faces()), 0);
+  std::vector<std::int32_t> index(static_cast<std::size_t>(job.out.surface.mesh().faces()), 0);
   for (const Singularity& s : job.out.singularities) index[static_cast<std::size_t>(s.face)] = s.index;
 
   WrittenFiles files = open_files({target.file, target.beside("_singularities.vtp")});
