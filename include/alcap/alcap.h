@@ -14,6 +14,7 @@
 #include "alcap/controls.h"
 #include "alcap/conventions.h"
 #include "alcap/design_file.h"
+#include "alcap/design_run.h"
 #include "alcap/designer.h"
 #include "alcap/eigen_design.h"
 #include "alcap/energies.h"

@@ -23,7 +23,7 @@ set(layers
   "src/curves/streamlines  | streamlines"
   "src/design              | controls designer eigen_design design_file"
   "src/io/field            | output"
-  "src/run                 | field_run batch alcap"
+  "src/run                 | field_run design_run batch alcap"
   "apps                    |")
 # What files of a part may include: the standard library, the layers of these parts, and third-party headers.
 set(parts

@@ -4,20 +4,17 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <memory>
 
-#include "alcap/cones.h"
+#include "alcap/design_run.h"
 #include "alcap/memory.h"
 #include "apps/alcap/commands/commands.h"
-#include "apps/alcap/commands/design_solve.h"
 #include "apps/alcap/options/design_options.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/design_report.h"
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/clock.h"
 
 namespace alcap::app {
 namespace {
@@ -34,9 +31,6 @@ constexpr const char* footer =
     "Faces and vertices count from 0, angles are in degrees. docs/design.md describes the design file. Exit code 5\n"
     "means that the files were written, but some control was not met or the certificate does not hold.";
 
-// Relative residual of the linear solve that the certificate accepts: that of eigenvectors in `alcap field`.
-constexpr double largest_residual = 1e-8;
-
 struct DesignOptionsGiven {
   MeshChoice mesh = {};
   DesignFlags flags = {};
@@ -46,113 +40,111 @@ struct DesignOptionsGiven {
   bool explain = false;
 };
 
-using Clock = std::chrono::steady_clock;
+/// What was read: the design as asked for, and the mesh, after repairs.
+struct Inputs {
+  DesignFile design;
+  MeshFile file;  // its points and faces are in the surface
+  Surface surface;
+  std::vector<Remark> remarks;
+  double read_seconds = 0, mesh_seconds = 0;
+};
 
-double seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+Inputs read_inputs(const DesignOptionsGiven& options, Progress& progress) {
+  detail::Stopwatch watch;
+  Inputs in;
+  in.design = make_design(options.flags);
+  if (!in.design.guidance.file.empty()) in.design.guidance.file = std::filesystem::absolute(in.design.guidance.file);
+  progress.phase(fmt::format("reading {}", options.mesh.path.string()));
+  in.file = read_choice(options.mesh);
+  in.read_seconds = watch.lap();
+  Faces F = apply_repairs(in.file.V, in.file.F, options.mesh.repairs, in.remarks);
+  in.surface = Surface(std::move(in.file.V), std::move(F));
+  for (Remark& r : mesh_remarks(in.surface)) in.remarks.push_back(std::move(r));
+  in.mesh_seconds = watch.lap();
+  return in;
+}
 
-Outcome explain(const DesignOptionsGiven& options, const MeshFile& file, const DesignFile& design,
-                const DesignFile& placed, const Surface& surface, const std::vector<Remark>& remarks) {
+Outcome explain(const DesignOptionsGiven& options, const Inputs& in) {
   Outcome outcome{.report = report_head("design", true)};
-  outcome.report["input"] = input_json(options.mesh.path, file);
-  outcome.report["mesh"] = mesh_json(surface);
-  outcome.report["design"] = design_json(design);
-  outcome.report["plan"] = plan_json(placed, surface.mesh());
-  outcome.report["warnings"] = remarks_json(remarks, true);
-  outcome.report["notes"] = remarks_json(remarks, false);
+  outcome.report["input"] = input_json(options.mesh.path, in.file);
+  outcome.report["mesh"] = mesh_json(in.surface);
+  outcome.report["design"] = design_json(in.design);
+  outcome.report["plan"] = plan_json(plan_design(in.design, in.surface), in.surface.mesh());
+  outcome.report["warnings"] = remarks_json(in.remarks, true);
+  outcome.report["notes"] = remarks_json(in.remarks, false);
   outcome.text = plan_text(outcome.report["plan"]);
   return outcome;
 }
 
-Outcome run(const DesignOptionsGiven& options, Progress& progress) {
-  const auto start = Clock::now();
-  const OutputPlan plan = plan_files(options.files);
-  DesignFile design = make_design(options.flags);
-  if (!design.guidance.file.empty()) design.guidance.file = std::filesystem::absolute(design.guidance.file);
+std::string phase_text(std::string_view phase) {
+  if (phase == "connection") return "finding the connection";
+  if (phase == "guidance") return "finding the guidance field";
+  if (phase == "prepare") return "preparing";
+  if (phase == "solve") return "solving";
+  return "locating singularities";
+}
 
-  progress.phase(fmt::format("reading {}", options.mesh.path.string()));
-  MeshFile file = read_choice(options.mesh);
-  FieldRun run;
-  RunSeconds times{.read = seconds(start)};
-  auto lap = Clock::now();
-  Faces F = apply_repairs(file.V, file.F, options.mesh.repairs, run.remarks);
-  const Surface surface(std::move(file.V), std::move(F));
-  for (Remark& r : mesh_remarks(surface)) run.remarks.push_back(std::move(r));
-  DesignFile placed = place_design(design, surface);
-  if (placed.connection.balance)
-    placed.connection.cones = balance_cones(surface, placed.connection.cones, {.n = placed.n});
-  placed.connection.balance = false;
-  run.times.mesh = seconds(lap);
-  if (options.explain) return explain(options, file, design, placed, surface, run.remarks);
+DesignRun solve(const DesignOptionsGiven& options, const Inputs& in, Progress& progress) {
+  try {
+    return run_design(in.surface, in.design,
+                      {.solver = options.solver, .normalise = options.unit, .progress = [&](std::string_view phase) {
+                         progress.phase(phase_text(phase));
+                       }});
+  } catch (const OptionError& e) {
+    // It is the mesh that has no such field.
+    if (e.field() == "/guidance/field") throw Failure(Exit::input, e.what());
+    throw;
+  }
+}
 
-  progress.phase("finding the connection");
-  lap = Clock::now();
-  const ConnectionOptions how = connection_options(placed);
-  run.surface = connect(surface, how);
-  const std::vector<DesignControl> controls = design_controls(placed, run.surface);
-  run.times.connection = seconds(lap);
-
-  SolvedDesign solved = solve_design({placed, controls, run, options.solver}, progress);
-  const DesignResult& result = solved.result;
-  lap = Clock::now();
-  run.field = result.field;
-  run.indices = face_indices(run.surface, run.field);
-  run.index_sums = index_sums(run.surface, run.field, run.indices);
-  run.singularities = find_singularities(run.surface, run.field, run.indices);
-  Json asked = controls_json({placed, controls, result, run});
-  run.times.analysis = seconds(lap);
-
-  const bool met = std::all_of(asked.begin(), asked.end(), [](const Json& c) { return c["met"].get<bool>(); });
-  const bool sums =
-      std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
-  const bool small = result.residual <= largest_residual, finite = run.field.u.allFinite();
-  const bool connected = run.connection().report.converged;
-  for (Remark& r : unmet_remarks(asked)) run.remarks.push_back(std::move(r));
-  const auto warn = [&](bool fine, const char* code, const char* message) {
-    if (!fine) run.remarks.push_back({.code = code, .message = message});
-  };
-  warn(connected, "connection_not_converged", "the connection did not reach its tolerance");
-  warn(solved.converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
-  warn(small, "residual_large", "the linear solve did not reach its tolerance; try another --solver");
-  warn(sums, "index_sum_mismatch", "the indices do not sum to what topology demands; please report this mesh");
-  warn(finite, "not_finite", "the field has values that are not finite numbers");
-  const bool ok = met && sums && small && finite && connected && solved.converged;
-
-  Json report = report_head("design", ok);
-  report["input"] = input_json(options.mesh.path, file);
-  report["design"] = design_json(design);
+Json report_of(const DesignOptionsGiven& options, const Inputs& in, const DesignRun& run,
+               const std::vector<Remark>& remarks) {
+  const DesignCertificate& certificate = run.certificate;
+  Json report = report_head("design", certificate.holds());
+  report["input"] = input_json(options.mesh.path, in.file);
+  report["design"] = design_json(in.design);
   report["mesh"] = mesh_json(run.surface);
-  report["connection"] = connection_json(run.surface, how);
-  report["guidance"] = std::move(solved.guidance);
-  report["solve"] = std::move(solved.solve);
-  report["controls"] = std::move(asked);
-  report["singularities"] = singularities_json(run);
-  report["certificate"] = {{"connection_converged", connected},
-                           {"eigen_converged", solved.converged},
-                           {"residual_small", small},
-                           {"index_sums_match", sums},
-                           {"finite", finite},
-                           {"controls_met", met}};
-  report["warnings"] = remarks_json(run.remarks, true);
-  report["notes"] = remarks_json(run.remarks, false);
-  if (options.unit) run.field = normalised(std::move(run.field));
+  report["connection"] = connection_json(run.surface, connection_options(run.design));
+  report["guidance"] = guidance_json(run);
+  report["solve"] = solve_json(run);
+  report["controls"] = controls_json(run);
+  report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
+  report["certificate"] = {{"connection_converged", certificate.connection_converged},
+                           {"eigen_converged", certificate.eigen_converged},
+                           {"residual_small", certificate.residual_small},
+                           {"index_sums_match", certificate.index_sums_match},
+                           {"finite", certificate.finite},
+                           {"controls_met", certificate.controls_met}};
+  report["warnings"] = remarks_json(remarks, true);
+  report["notes"] = remarks_json(remarks, false);
+  return report;
+}
+
+Json times_json(const Inputs& in, const DesignTimes& times, double write, double total) {
+  return {{"read", in.read_seconds},    {"mesh", in.mesh_seconds},  {"connection", times.connection},
+          {"guidance", times.guidance}, {"prepare", times.prepare}, {"solve", times.solve},
+          {"analysis", times.analysis}, {"write", write},           {"total", total}};
+}
+
+Outcome run(const DesignOptionsGiven& options, Progress& progress) {
+  const detail::Stopwatch total;
+  const OutputPlan plan = plan_files(options.files);
+  const Inputs in = read_inputs(options, progress);
+  if (options.explain) return explain(options, in);
+  const DesignRun result = solve(options, in, progress);
+  std::vector<Remark> remarks = in.remarks;
+  remarks.insert(remarks.end(), result.remarks.begin(), result.remarks.end());
+  Json report = report_of(options, in, result, remarks);
 
   progress.phase("writing");
-  lap = Clock::now();
+  const detail::Stopwatch writing;
   const auto write_asked = [&](const std::filesystem::path& folder) {
-    write_design(folder / "design.json", design);
+    write_design(folder / "design.json", in.design);
     return std::vector<std::string>{"design.json"};
   };
-  write_files(plan, options.files, output_of(run), write_asked,
+  write_files(plan, options.files, output_of(result), write_asked,
               [&](const std::vector<std::string>& files) -> const Json& {
-                report["times"] = {{"read", times.read},
-                                   {"mesh", run.times.mesh},
-                                   {"connection", run.times.connection},
-                                   {"guidance", solved.guidance_seconds},
-                                   {"prepare", solved.prepare_seconds},
-                                   {"solve", solved.solve_seconds},
-                                   {"analysis", run.times.analysis},
-                                   {"write", seconds(lap)},
-                                   {"total", seconds(start)}};
+                report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
                 report["peak_memory_bytes"] = peak_memory_bytes();
                 report["files"] = files;
                 return report;
@@ -160,12 +152,9 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = design_summary(outcome.report);
-  if (!ok) {
+  if (!result.certificate.holds()) {
     outcome.exit = Exit::uncertified;
-    outcome.complaint = "not everything asked for holds:";
-    for (const Remark& r : run.remarks) {
-      if (r.warning) outcome.complaint += " " + r.message + ".";
-    }
+    outcome.complaint = complaint("not everything asked for holds:", remarks);
   }
   return outcome;
 }

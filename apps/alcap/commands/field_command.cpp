@@ -65,22 +65,19 @@ std::string phase_text(std::string_view phase, std::int64_t faces) {
 std::string summary(const FieldOptions& options, const Json& report) {
   const Json &mesh = report["mesh"], &connection = report["connection"], &eigen = report["eigen"];
   const Json &singular = report["singularities"], &times = report["times"];
-  const auto real = [](const Json& value) {
-    return value.is_null() ? "not finite" : fmt::format("{:.4g}", value.get<double>());
-  };
   const auto count = [](const Json& value) { return grouped(value.get<std::int64_t>()); };
   const int n = options.run.n;
   std::string text;
-  const auto line = [&](const char* label, const std::string& value) {
-    text += fmt::format("{:<14}{}\n", label, value);
-  };
+  const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
   line("mesh", fmt::format("{} vertices, {} faces, {} component(s), {} boundary loop(s), Euler characteristic {}",
                            count(mesh["vertices"]), count(mesh["faces"]), count(mesh["components"]),
                            count(mesh["boundary_loops"]), count(mesh["euler"])));
-  line("connection", fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
-                                 real(connection["D_T"]), real(connection["D_E"]), count(connection["iterations"])));
-  line("field", fmt::format("n = {}, eigenvalue {} (next {}), residual {}, {}", n, real(eigen["lambda"]),
-                            real(eigen["next"]), real(eigen["residual"]), eigen["solver"].get<std::string>()));
+  line("connection",
+       fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
+                   short_text(connection["D_T"]), short_text(connection["D_E"]), count(connection["iterations"])));
+  line("field",
+       fmt::format("n = {}, eigenvalue {} (next {}), residual {}, {}", n, short_text(eigen["lambda"]),
+                   short_text(eigen["next"]), short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
                                     fraction(singular["index_sum"].get<std::int64_t>(), n),
@@ -142,10 +139,7 @@ Outcome run(FieldOptions options, Progress& progress) {
   outcome.text = summary(options, outcome.report);
   if (!result.certificate.holds()) {
     outcome.exit = Exit::uncertified;
-    outcome.complaint = "the certificate does not hold:";
-    for (const Remark& r : result.remarks) {
-      if (r.warning) outcome.complaint += " " + r.message + ".";
-    }
+    outcome.complaint = complaint("the certificate does not hold:", result.remarks);
   }
   return outcome;
 }

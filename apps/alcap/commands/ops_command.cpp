@@ -90,9 +90,7 @@ std::string summary(const Json& report) {
   };
   const Json &e = report["energies"], &n = report["norms"], &sums = report["sums"];
   std::string text;
-  const auto line = [&](const char* label, const std::string& value) {
-    text += fmt::format("{:<14}{}\n", label, value);
-  };
+  const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
   line("field",
        fmt::format("n = {} on {} faces, {} operators", report["n"].get<int>(),
                    grouped(report["mesh"]["faces"].get<std::int64_t>()), report["operators"].get<std::string>()));

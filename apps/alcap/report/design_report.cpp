@@ -9,18 +9,12 @@
 #include <cmath>
 #include <complex>
 
-#include "alcap/operators.h"
 #include "apps/alcap/report/report.h"
 
 namespace alcap::app {
 namespace {
 
 constexpr double degrees = 180 / pi<double>;
-// A pinned zero is met when the field there is no longer than this, relative to the corners of its face.
-constexpr double pinned = 1e-6;
-// Cones are exact up to rounding; in turns.
-constexpr double cone_tolerance = 1e-6;
-
 Json triple(const std::array<double, 3>& x) { return {number(x[0]), number(x[1]), number(x[2])}; }
 
 Json point(const Eigen::RowVector3d& x) { return {number(x[0]), number(x[1]), number(x[2])}; }
@@ -32,46 +26,50 @@ Json head(const std::string& path, const std::string& name, const char* type) {
   return {{"path", path}, {"name", name}, {"type", type}};
 }
 
+const char* type_name(DesignOutcome::Type type) {
+  switch (type) {
+    case DesignOutcome::Type::singularity:
+      return "singularity";
+    case DesignOutcome::Type::fixed:
+      return "fixed";
+    case DesignOutcome::Type::stroke:
+      return "stroke";
+    case DesignOutcome::Type::boundary:
+      return "boundary";
+    case DesignOutcome::Type::cone:
+      return "cone";
+  }
+  return "";
+}
+
 /// The angle that looks like `angle` and is nearest to `asked`, in degrees.
 double nearest_angle(double angle, double asked, double period) {
   return asked + std::remainder(angle - asked, period);
 }
 
-void singularity(const DesignRun& d, std::size_t k, const ControlReport& report, Json& json) {
-  const DesignSingularity& s = d.design.singularities[k];
-  const auto& target = std::get<SingularityTarget>(d.controls[k].control);
+void singularity(const DesignRun& run, const DesignOutcome& outcome, Json& json) {
+  const DesignSingularity& s = run.design.singularities[outcome.number];
+  const auto& target = std::get<SingularityTarget>(*outcome.control);
   const double asked = target.orientation * degrees;
   json["asked"] = {{"kind", name(s.kind)},           {"face", s.face},
                    {"index", target.sign},           {"angle_degrees", number(asked)},
                    {"strength", number(s.strength)}, {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
-  json["achieved"] = {{"index", report.index}, {"angle_degrees", nullptr}, {"barycentric", nullptr}};
-  bool met = report.met;
-  for (const Singularity& found : d.run.singularities) {
-    if (found.face != s.face) continue;
-    const double period = 360.0 / symmetry(d.design.n, found.index);
-    json["achieved"]["angle_degrees"] = number(nearest_angle(found.orientation * degrees, asked, period));
-    json["achieved"]["barycentric"] = triple(found.barycentric);
+  json["achieved"] = {{"index", outcome.index}, {"angle_degrees", nullptr}, {"barycentric", nullptr}};
+  if (outcome.found) {
+    const double period = 360.0 / symmetry(run.design.n, outcome.found->index);
+    json["achieved"]["angle_degrees"] = number(nearest_angle(outcome.found->orientation * degrees, asked, period));
+    json["achieved"]["barycentric"] = triple(outcome.found->barycentric);
   }
-  if (target.pin) {
-    const ComplexVectorX<double>& u = d.run.field.u;
-    const auto there = face_field(d.run.surface, d.design.n, u, s.face).at(*target.pin);
-    double size = 0;
-    for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[d.run.mesh().F()(s.face, c)]));
-    const double left = size > 0 ? std::abs(there.u) / size : 0;
-    json["achieved"]["length_at_pin"] = number(left);
-    met = met && left <= pinned;
-  }
-  json["error_degrees"] = number(report.error_degrees);
-  json["met"] = met;
+  if (target.pin) json["achieved"]["length_at_pin"] = number(outcome.length_at_pin);
 }
 
-void fixed(const DesignRun& d, std::size_t k, const VertexConstraint& constraint, const ControlReport& report,
-           Json& json) {
-  const DesignFixed& f = d.design.fixed[k];
-  const auto frames = *d.run.field.frames;
-  const int n = d.design.n;
+void fixed(const DesignRun& run, const DesignOutcome& outcome, Json& json) {
+  const DesignFixed& f = run.design.fixed[outcome.number];
+  const auto& constraint = std::get<VertexConstraint>(*outcome.control);
+  const Frames& frames = *run.field.frames;
+  const int n = run.design.n;
   // Of the n branches, the one nearest to what was asked.
-  const Complex<double> u = d.run.field.u[f.vertex];
+  const Complex<double> u = run.field.u[f.vertex];
   const double asked = std::arg(constraint.value) / n;
   const double achieved = nearest_angle(std::arg(u) / n, asked, 2 * pi<double> / n);
   json["asked"] = {{"vertex", f.vertex},
@@ -79,25 +77,12 @@ void fixed(const DesignRun& d, std::size_t k, const VertexConstraint& constraint
                    {"length", f.free_length ? Json("free") : number(f.length)}};
   json["achieved"] = {{"direction", point(frames.vector(f.vertex, std::polar(1.0, achieved)))},
                       {"length", number(std::abs(u))}};
-  json["error_degrees"] = number(report.error_degrees);
-  json["met"] = report.met;
 }
 
-/// Curvature that the connection gives every vertex, in turns: 1 - (sum of the corner angles it sees) / 2 pi.
-VectorX<double> vertex_turns(const FieldRun& run) {
-  VectorX<double> turns = VectorX<double>::Ones(run.mesh().vertices());
-  const auto& alpha = run.connection().alpha;
-  for (Index t = 0; t < run.mesh().faces(); ++t) {
-    for (Index h = 3 * t; h < 3 * t + 3; ++h) {
-      const double turned = alpha.size() ? alpha[h] - alpha[Mesh::prev(h)] : 0.0;
-      turns[run.mesh().tail(h)] -= (run.geometry().angles()[h] + turned) / (2 * pi<double>);
-    }
-  }
-  return turns;
-}
-
-std::string degrees_text(const Json& x) {
-  return x.is_null() ? "a number that is not finite" : fmt::format("{:.3g} degrees", x.get<double>());
+void cone(const DesignRun& run, const DesignOutcome& outcome, Json& json) {
+  json["asked"] = {{"vertex", run.design.connection.cones[outcome.number].vertex},
+                   {"index", number(outcome.cone_asked)}};
+  json["achieved"] = {{"index", number(outcome.cone_index)}};
 }
 
 std::string plural(std::size_t count, const char* one, const char* many) {
@@ -130,73 +115,58 @@ Json boundary_json(const DesignBoundary& b) {
 
 }  // namespace
 
-Json controls_json(const DesignRun& d) {
+Json controls_json(const DesignRun& run) {
+  using Type = DesignOutcome::Type;
   Json list = Json::array();
-  const std::size_t singularities = d.design.singularities.size(), fixes = d.design.fixed.size();
-  for (std::size_t k = 0; k < d.controls.size(); ++k) {
-    const DesignControl& c = d.controls[k];
-    const ControlReport& report = d.result.controls.at(k);
-    Json json;
-    if (k < singularities) {
-      json = head(c.path, c.name, "singularity");
-      singularity(d, k, report, json);
-    } else if (const auto* constraint = std::get_if<VertexConstraint>(&c.control)) {
-      json = head(c.path, c.name, "fixed");
-      fixed(d, k - singularities, *constraint, report, json);
-    } else {
-      const bool boundary = std::holds_alternative<BoundaryAlignment>(c.control);
-      json = head(c.path, c.name, boundary ? "boundary" : "stroke");
-      json["asked"] =
-          boundary ? boundary_json(d.design.boundary) : stroke_json(d.design.strokes[k - singularities - fixes]);
-      if (!boundary) json["asked"]["faces"] = std::get<Stroke>(c.control).line.segments.size();
-      json["achieved"] = {{"mean_deviation_degrees", number(report.error_degrees)}};
-      json["error_degrees"] = number(report.error_degrees);
-      json["met"] = report.met;
+  for (const DesignOutcome& outcome : run.outcomes) {
+    Json json = head(outcome.path, outcome.name, type_name(outcome.type));
+    switch (outcome.type) {
+      case Type::singularity:
+        singularity(run, outcome, json);
+        break;
+      case Type::fixed:
+        fixed(run, outcome, json);
+        break;
+      case Type::stroke:
+        json["asked"] = stroke_json(run.design.strokes[outcome.number]);
+        json["asked"]["faces"] = std::get<Stroke>(*outcome.control).line.segments.size();
+        json["achieved"] = {{"mean_deviation_degrees", number(outcome.error_degrees)}};
+        break;
+      case Type::boundary:
+        json["asked"] = boundary_json(run.design.boundary);
+        json["achieved"] = {{"mean_deviation_degrees", number(outcome.error_degrees)}};
+        break;
+      case Type::cone:
+        cone(run, outcome, json);
+        break;
     }
-    list.push_back(std::move(json));
-  }
-  const auto& cones = d.design.connection.cones;
-  if (cones.empty()) return list;
-  const VectorX<double> turns = vertex_turns(d.run);
-  for (std::size_t k = 0; k < cones.size(); ++k) {
-    // Several entries for one vertex add up.
-    double asked = 0;
-    for (const Cone& c : cones) asked += c.vertex == cones[k].vertex ? c.index : 0.0;
-    const double error = std::abs(turns[cones[k].vertex] - asked);
-    Json json = head(fmt::format("/connection/cones/{}", k), fmt::format("cone at vertex {}", cones[k].vertex), "cone");
-    json["asked"] = {{"vertex", cones[k].vertex}, {"index", number(asked)}};
-    json["achieved"] = {{"index", number(turns[cones[k].vertex])}};
-    json["error_degrees"] = number(error * 360);
-    json["met"] = error <= cone_tolerance;
+    json["error_degrees"] = number(outcome.error_degrees);
+    json["met"] = outcome.met;
     list.push_back(std::move(json));
   }
   return list;
 }
 
-std::vector<Remark> unmet_remarks(const Json& controls) {
-  std::vector<Remark> remarks;
-  for (const Json& c : controls) {
-    if (c["met"].get<bool>()) continue;
-    const Json &asked = c["asked"], &achieved = c["achieved"];
-    const std::string type = c["type"];
-    std::string what = "off by " + degrees_text(c["error_degrees"]);
-    Remark remark{.code = "control_not_met", .count = 1};
-    if (type == "singularity") {
-      remark.first = {asked["face"].get<Index>()};
-      if (asked["index"] != achieved["index"])
-        what = fmt::format("face {} has index {} instead of {}", asked["face"].get<Index>(),
-                           achieved["index"].get<int>(), asked["index"].get<int>());
-      what += "; more strength, less guidance or fewer controls nearby help";
-    } else if (type == "stroke" || type == "boundary") {
-      what += " on average; more weight helps";
-    } else {
-      remark.first = {asked["vertex"].get<Index>()};
-    }
-    remark.message =
-        fmt::format("{} ({}) is not met: {}", c["name"].get<std::string>(), c["path"].get<std::string>(), what);
-    remarks.push_back(std::move(remark));
-  }
-  return remarks;
+Json guidance_json(const DesignRun& run) {
+  using Source = DesignGuidance::Source;
+  const DesignGuidance& g = run.design.guidance;
+  if (run.design.method == DesignMethod::eigen)
+    return {{"field", "none"}, {"weight", 0}, {"t", nullptr}, {"scale", nullptr}};
+  return {{"field", g.source == Source::file ? g.file.string() : name(g.source)},
+          {"weight", g.source == Source::none || g.t ? Json(0) : number(g.weight)},
+          {"t", g.t ? number(*g.t) : Json(nullptr)},
+          {"scale", run.guidance ? number(run.guidance_scale) : Json(nullptr)}};
+}
+
+Json solve_json(const DesignRun& run) {
+  const bool eigen = run.design.method == DesignMethod::eigen;
+  Json lambda = Json::array();
+  for (const EigenReport& e : run.eigen) lambda.push_back(number(e.lambda));
+  return {{"method", eigen ? "eigen" : "variational"},
+          {"rows", run.rows},
+          {"residual", number(run.residual)},
+          {"lambda", eigen ? std::move(lambda) : Json(nullptr)},
+          {"solver", run.solver}};
 }
 
 Json design_json(const DesignFile& design) { return Json::parse(design_text(design)); }
@@ -257,9 +227,7 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
 
 std::string plan_text(const Json& plan) {
   std::string text;
-  const auto line = [&](const char* label, const std::string& value) {
-    text += fmt::format("{:<14}{}\n", label, value);
-  };
+  const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
   const std::string guidance = plan["guidance"];
   line("field", fmt::format("n = {}: one complex number at each of {} vertices, {} faces", plan["n"].get<int>(),
                             grouped(plan["unknowns"].get<std::int64_t>()), grouped(plan["faces"].get<std::int64_t>())));
@@ -287,23 +255,19 @@ std::string plan_text(const Json& plan) {
 std::string design_summary(const Json& report) {
   const Json &mesh = report["mesh"], &solve = report["solve"], &singular = report["singularities"];
   std::string text;
-  const auto line = [&](const char* label, const std::string& value) {
-    text += fmt::format("{:<14}{}\n", label, value);
-  };
-  const auto real = [](const Json& value) {
-    return value.is_null() ? "not finite" : fmt::format("{:.4g}", value.get<double>());
-  };
+  const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
   line("mesh", fmt::format("{} vertices, {} faces, {} component(s), {} boundary loop(s)",
                            grouped(mesh["vertices"].get<std::int64_t>()), grouped(mesh["faces"].get<std::int64_t>()),
                            mesh["components"].get<int>(), mesh["boundary_loops"].get<int>()));
   line("field",
        fmt::format("n = {}, {}, connection {}, guidance {}, {} rows, residual {}", report["design"]["n"].get<int>(),
                    solve["method"].get<std::string>(), report["connection"]["kind"].get<std::string>(),
-                   report["guidance"]["field"].get<std::string>(), solve["rows"].get<int>(), real(solve["residual"])));
+                   report["guidance"]["field"].get<std::string>(), solve["rows"].get<int>(),
+                   short_text(solve["residual"])));
   for (const Json& c : report["controls"])
     line(c["met"].get<bool>() ? "met" : "NOT MET",
          fmt::format("{}: {}, off by {} degrees", c["path"].get<std::string>(), control_text(c),
-                     real(c["error_degrees"])));
+                     short_text(c["error_degrees"])));
   line("singularities",
        fmt::format("{}: {} positive, {} negative; indices sum to {}/{}, expected {}/{}", singular["count"].get<int>(),
                    singular["positive"].get<int>(), singular["negative"].get<int>(), singular["index_sum"].get<int>(),

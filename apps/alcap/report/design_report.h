@@ -4,27 +4,20 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "alcap/design_file.h"
-#include "alcap/field_run.h"
+#include "alcap/design_run.h"
 #include "apps/alcap/commands/command.h"
 
 namespace alcap::app {
 
-/// A solved design.
-struct DesignRun {
-  const DesignFile& design;  ///< placed
-  const std::vector<DesignControl>& controls;
-  const DesignResult& result;  ///< controls in the same order
-  const FieldRun& run;         ///< mesh, topology, geometry, connection, field, indices, singularities; no eigen
-};
+/// One entry per outcome: path, name, type, asked, achieved, error_degrees, met.
+[[nodiscard]] Json controls_json(const DesignRun& run);
 
-/// One entry per singularity, fixed vertex, stroke and cone: path, name, type, asked, achieved, error_degrees, met.
-[[nodiscard]] Json controls_json(const DesignRun& d);
+/// Where the guidance field came from, its weight, and what it was scaled by.
+[[nodiscard]] Json guidance_json(const DesignRun& run);
 
-/// A warning per control that was not met.
-[[nodiscard]] std::vector<Remark> unmet_remarks(const Json& controls);
+/// Method, rows, residual, eigenvalues, backend.
+[[nodiscard]] Json solve_json(const DesignRun& run);
 
 /// The design itself, as in its file.
 [[nodiscard]] Json design_json(const DesignFile& design);

@@ -41,10 +41,6 @@ OutputPlan plan_files(const FilesChoice& choice) {
   return plan;
 }
 
-FieldOutput output_of(const FieldRun& run) {
-  return {.surface = run.surface, .field = run.field, .singularities = run.singularities};
-}
-
 void write_files(const OutputPlan& plan, const FilesChoice& choice, const FieldOutput& output,
                  const std::function<std::vector<std::string>(const std::filesystem::path& folder)>& extra,
                  const std::function<const Json&(const std::vector<std::string>& files)>& finish) {

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "alcap/field_run.h"
 #include "alcap/output.h"
 #include "apps/alcap/report/outputs.h"
 
@@ -28,8 +27,11 @@ void add_files_options(CLI::App& app, FilesChoice& choice);
 /// Throws Failure as plan_output and chosen_formats do, and when --formats comes with a file.
 [[nodiscard]] OutputPlan plan_files(const FilesChoice& choice);
 
-/// What is written of a run; refers to it.
-[[nodiscard]] FieldOutput output_of(const FieldRun& run);
+/// What is written of a run, a FieldRun or a DesignRun; refers to it.
+template <class Run>
+[[nodiscard]] FieldOutput output_of(const Run& run) {
+  return {.surface = run.surface, .field = run.field, .singularities = run.singularities};
+}
 
 /// Writes the field as planned. Into a folder go also what `extra` writes there (it returns the names of its files) and
 /// report.json: what `finish` returns when it is told the files of the run. It is called once, whatever is written.

@@ -255,21 +255,22 @@ Json input_json(const std::filesystem::path& path, const MeshFile& file) {
           {"ignored", std::move(ignored)}};
 }
 
-Json singularities_json(const FieldRun& run) {
+Json singularities_json(const Surface& surface, int n, const std::vector<IndexSum>& sums,
+                        const std::vector<Singularity>& singularities) {
   std::int64_t sum = 0, expected = 0, positive = 0;
-  for (const IndexSum& i : run.index_sums) {
+  for (const IndexSum& i : sums) {
     sum += i.sum;
     expected += i.expected;
   }
   Json list = Json::array();
-  for (const Singularity& s : run.singularities) {
+  for (const Singularity& s : singularities) {
     positive += s.index > 0;
-    list.push_back(singularity_json(s, run.topology().face_component[static_cast<std::size_t>(s.face)]));
+    list.push_back(singularity_json(s, surface.topology().face_component[static_cast<std::size_t>(s.face)]));
   }
-  return {{"count", run.singularities.size()},
+  return {{"count", singularities.size()},
           {"positive", positive},
-          {"negative", integer(run.singularities.size()) - positive},
-          {"denominator", run.field.n},
+          {"negative", integer(singularities.size()) - positive},
+          {"denominator", n},
           {"index_sum", sum},
           {"expected", expected},
           {"list", std::move(list)}};
@@ -356,7 +357,7 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   report["mesh"] = mesh_json(run.surface);
   report["connection"] = connection_json(run.surface, options.connection);
   report["eigen"] = eigen_summary(run, options);
-  report["singularities"] = singularities_json(run);
+  report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
   report["components"] = components_json(run);
   report["certificate"] = {{"connection_converged", certificate.connection_converged},
                            {"eigen_converged", certificate.eigen_converged},
@@ -369,16 +370,27 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   return report;
 }
 
+std::string summary_line(std::string_view label, const std::string& value) {
+  return fmt::format("{:<14}{}\n", label, value);
+}
+
+std::string short_text(const Json& value) {
+  return value.is_null() ? "not finite" : fmt::format("{:.4g}", value.get<double>());
+}
+
 std::string summary_end(const Json& report) {
   std::string text, files;
-  const auto line = [&](const char* label, const std::string& value) {
-    text += fmt::format("{:<14}{}\n", label, value);
-  };
-  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
-  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
+  for (const Json& w : report["warnings"]) text += summary_line("warning", w["message"].get<std::string>());
+  for (const Json& w : report["notes"]) text += summary_line("note", w["message"].get<std::string>());
   for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
-  if (!files.empty()) line("wrote", files);
-  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
+  if (!files.empty()) text += summary_line("wrote", files);
+  return text + summary_line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
+}
+
+std::string complaint(const std::string& head, const std::vector<Remark>& remarks) {
+  std::string text = head;
+  for (const Remark& r : remarks)
+    if (r.warning) text += " " + r.message + ".";
   return text;
 }
 

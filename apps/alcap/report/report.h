@@ -5,6 +5,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "alcap/errors.h"
@@ -38,8 +39,9 @@ inline constexpr int report_version = 1;
 [[nodiscard]] Json mesh_json(const Surface& surface);
 [[nodiscard]] Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& options);
 [[nodiscard]] Json remarks_json(const std::vector<Remark>& remarks, bool warnings);
-/// What a run found: counts, sums and the list.
-[[nodiscard]] Json singularities_json(const FieldRun& run);
+/// What was found: counts, sums and the list. `n` is the field's.
+[[nodiscard]] Json singularities_json(const Surface& surface, int n, const std::vector<IndexSum>& sums,
+                                      const std::vector<Singularity>& singularities);
 [[nodiscard]] Json defects_json(const std::vector<DefectReport>& defects);
 
 struct RunSeconds {
@@ -52,8 +54,17 @@ struct RunSeconds {
 /// Its `times`.
 [[nodiscard]] Json times_json(const FieldTimes& times, const RunSeconds& seconds);
 
+/// A line of a summary.
+[[nodiscard]] std::string summary_line(std::string_view label, const std::string& value);
+
+/// A number in four digits.
+[[nodiscard]] std::string short_text(const Json& value);
+
 /// The last lines of a summary in words: warnings, notes, files, whether the certificate holds.
 [[nodiscard]] std::string summary_end(const Json& report);
+
+/// The head and the warnings, for stderr.
+[[nodiscard]] std::string complaint(const std::string& head, const std::vector<Remark>& remarks);
 
 /// 69451 -> "69,451".
 [[nodiscard]] std::string grouped(std::int64_t value);

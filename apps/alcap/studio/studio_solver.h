@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// studio_solver.h: designs to fields, again and again on one surface, keeping what an edit leaves as it was: the
-// connection, the guidance field, the factorised system, and the rows and right-hand sides of the other controls.
+// studio_solver.h: designs to fields, again and again on one surface (DesignSession), and what the page shows of them.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "alcap/design_file.h"
+#include "alcap/design_run.h"
 #include "alcap/output.h"
 #include "alcap/singularities.h"
 #include "apps/alcap/commands/command.h"
@@ -42,14 +41,13 @@ class StudioResult {
 
 class StudioSolver {
  public:
-  explicit StudioSolver(Surface surface);
-  ~StudioSolver();
+  explicit StudioSolver(const Surface& surface);
   /// The field of a design; without controls and guidance the smoothest one. Throws OptionError, SolveError.
   [[nodiscard]] std::shared_ptr<const StudioResult> solve(const DesignFile& design);
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  DesignSession session_;
+  std::uint64_t results_ = 0;
 };
 
 }  // namespace alcap::app

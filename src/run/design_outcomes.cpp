@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: MIT
+//
+// design_outcomes.cpp: what became of every control and cone of a design, the certificate, and what deserves a remark.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <variant>
+
+#include "alcap/operators.h"
+#include "src/base/parallel.h"
+#include "src/run/design_stages.h"
+
+namespace alcap::detail {
+namespace {
+
+using Type = DesignOutcome::Type;
+
+// A pinned zero is met when the field there is no longer than this, relative to the corners of its face.
+constexpr double pinned = 1e-6;
+// Cones are exact up to rounding; in turns.
+constexpr double cone_tolerance = 1e-6;
+
+Type type_of(const Control& control) {
+  if (std::holds_alternative<SingularityTarget>(control)) return Type::singularity;
+  if (std::holds_alternative<VertexConstraint>(control)) return Type::fixed;
+  return std::holds_alternative<Stroke>(control) ? Type::stroke : Type::boundary;
+}
+
+void judge_singularity(const DesignRun& run, const SingularityTarget& target, DesignOutcome& out) {
+  for (const Singularity& found : run.singularities)
+    if (found.face == target.face) out.found = found;
+  if (!target.pin) return;
+  const ComplexVectorX<double>& u = run.field.u;
+  const FieldValue there = face_field(run.surface, run.design.n, u, target.face).at(*target.pin);
+  double size = 0;
+  for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[run.mesh().F()(target.face, c)]));
+  out.length_at_pin = size > 0 ? std::abs(there.u) / size : 0;
+  out.met = out.met && out.length_at_pin <= pinned;
+}
+
+/// Curvature that the connection gives every vertex, in turns: 1 - (sum of the corner angles it sees) / 2 pi.
+VectorX<double> vertex_turns(const DesignRun& run) {
+  VectorX<double> turns = VectorX<double>::Ones(run.mesh().vertices());
+  const auto& alpha = run.connection().alpha;
+  for (Index h = 0; h < run.mesh().halfedges(); ++h) {
+    const double turned = alpha.size() ? alpha[h] - alpha[Mesh::prev(h)] : 0.0;
+    turns[run.mesh().tail(h)] -= (run.geometry().angles()[h] + turned) / (2 * pi<double>);
+  }
+  return turns;
+}
+
+void judge_cones(const DesignRun& run, std::vector<DesignOutcome>& outcomes) {
+  const std::vector<Cone>& cones = run.design.connection.cones;
+  if (cones.empty()) return;
+  const VectorX<double> turns = vertex_turns(run);
+  for (std::size_t k = 0; k < cones.size(); ++k) {
+    const Index v = cones[k].vertex;
+    // Several entries for one vertex add up.
+    double asked = 0;
+    for (const Cone& c : cones) asked += c.vertex == v ? c.index : 0.0;
+    const double error = std::abs(turns[v] - asked);
+    outcomes.push_back({.type = Type::cone,
+                        .number = k,
+                        .path = "/connection/cones/" + std::to_string(k),
+                        .name = "cone at vertex " + std::to_string(v),
+                        .met = error <= cone_tolerance,
+                        .error_degrees = error * 360,
+                        .cone_asked = asked,
+                        .cone_index = turns[v]});
+  }
+}
+
+std::string degrees_text(double x) {
+  if (!std::isfinite(x)) return "a number that is not finite";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.3g degrees", x);
+  return text;
+}
+
+Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
+  std::string what = "off by " + degrees_text(outcome.error_degrees);
+  Remark remark{.code = "control_not_met", .count = 1};
+  switch (outcome.type) {
+    case Type::singularity: {
+      const auto& target = std::get<SingularityTarget>(*outcome.control);
+      remark.first = {target.face};
+      if (outcome.index != target.sign)
+        what = "face " + std::to_string(target.face) + " has index " + std::to_string(outcome.index) + " instead of " +
+               std::to_string(target.sign);
+      what += "; more strength, less guidance or fewer controls nearby help";
+      break;
+    }
+    case Type::stroke:
+    case Type::boundary:
+      what += " on average; more weight helps";
+      break;
+    case Type::fixed:
+      remark.first = {std::get<VertexConstraint>(*outcome.control).vertex};
+      break;
+    case Type::cone:
+      remark.first = {run.design.connection.cones[outcome.number].vertex};
+      break;
+  }
+  remark.message = outcome.name + " (" + outcome.path + ") is not met: " + what;
+  return remark;
+}
+
+}  // namespace
+
+std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<DesignControl>& controls,
+                                        const std::vector<ControlReport>& reports) {
+  std::vector<DesignOutcome> outcomes;
+  std::size_t numbers[4] = {};
+  for (std::size_t k = 0; k < controls.size(); ++k) {
+    const DesignControl& c = controls[k];
+    const ControlReport& report = reports.at(k);
+    const Type type = type_of(c.control);
+    DesignOutcome& out = outcomes.emplace_back(DesignOutcome{.type = type,
+                                                             .number = numbers[static_cast<std::size_t>(type)]++,
+                                                             .path = c.path,
+                                                             .name = c.name,
+                                                             .control = c.control,
+                                                             .met = report.met,
+                                                             .error_degrees = report.error_degrees,
+                                                             .index = report.index});
+    if (type == Type::singularity) judge_singularity(run, std::get<SingularityTarget>(c.control), out);
+  }
+  judge_cones(run, outcomes);
+  return outcomes;
+}
+
+void certify_design(DesignRun& run, bool eigen_converged, double largest_residual) {
+  DesignCertificate& c = run.certificate;
+  c.connection_converged = run.connection().report.converged;
+  c.eigen_converged = eigen_converged;
+  c.residual_small = run.residual <= largest_residual;  // false for NaN
+  c.index_sums_match =
+      std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
+  c.finite = run.field.u.allFinite();
+  c.controls_met = std::all_of(run.outcomes.begin(), run.outcomes.end(), [](const DesignOutcome& o) { return o.met; });
+  for (const DesignOutcome& outcome : run.outcomes)
+    if (!outcome.met) run.remarks.push_back(unmet(run, outcome));
+  const auto warn = [&](bool fine, const char* code, const char* message) {
+    if (!fine) run.remarks.push_back({.code = code, .message = message});
+  };
+  warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
+  warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
+  warn(c.residual_small, "residual_large", "the linear solve did not reach its tolerance; try another --solver");
+  warn(c.index_sums_match, "index_sum_mismatch",
+       "the indices do not sum to what topology demands; please report this mesh");
+  warn(c.finite, "not_finite", "the field has values that are not finite numbers");
+}
+
+}  // namespace alcap::detail

@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: MIT
+//
+// design_run.cpp: the stages of a design in order: connection, guidance, designer, solve, analysis.
+#include "alcap/design_run.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "alcap/cones.h"
+#include "alcap/eigen_design.h"
+#include "src/base/clock.h"
+#include "src/base/parallel.h"
+#include "src/run/design_stages.h"
+
+namespace alcap {
+namespace detail {
+namespace {
+
+using Source = DesignGuidance::Source;
+
+// The text of a design with nothing but these parts.
+
+std::string connection_key(const DesignFile& design) {
+  DesignFile part;
+  // Cones are multiples of 1/n; other connections serve every n.
+  if (design.connection.kind == ConnectionKind::trivial) part.n = design.n;
+  part.connection = design.connection;
+  return design_text(part);
+}
+
+std::string guidance_key(const DesignFile& design, Source source) {
+  DesignFile part;
+  part.n = design.n;
+  part.s = design.s;
+  part.connection = design.connection;
+  part.guidance.source = source;
+  if (source == Source::file) part.guidance.file = design.guidance.file;
+  return design_text(part);
+}
+
+std::string designer_key(const DesignFile& design) {
+  DesignFile part = design;
+  part.singularities.clear();
+  part.fixed.clear();
+  part.strokes.clear();
+  part.boundary = {};
+  return design_text(part);
+}
+
+/// One text per control, in the order of design_controls(); equal texts are equal controls.
+std::vector<std::string> control_keys(const DesignFile& design) {
+  std::vector<std::string> keys;
+  const auto add = [&](auto list, const auto& element) {
+    DesignFile part;
+    part.n = design.n;
+    (part.*list).push_back(element);
+    keys.push_back(design_text(part));
+  };
+  for (const auto& s : design.singularities) add(&DesignFile::singularities, s);
+  for (const auto& f : design.fixed) add(&DesignFile::fixed, f);
+  for (const auto& s : design.strokes) add(&DesignFile::strokes, s);
+  if (design.boundary.wanted) {
+    DesignFile part;
+    part.n = design.n;
+    part.boundary = design.boundary;
+    keys.push_back(design_text(part));
+  }
+  return keys;
+}
+
+/// What a design that is solved once solves for: one system for all targets, one for every pin and vertex. 0 where
+/// strokes need more than can be told from here.
+int right_hand_sides(const std::vector<DesignControl>& controls) {
+  int count = 1;
+  for (const DesignControl& c : controls) {
+    const auto* const target = std::get_if<SingularityTarget>(&c.control);
+    if (target == nullptr && !std::holds_alternative<VertexConstraint>(c.control)) return 0;
+    if (target == nullptr || target->pin) ++count;
+  }
+  return count;
+}
+
+/// Runs `call`; what is wrong with a control is named by its place in the design.
+template <class Call>
+void at_path(const std::string& path, Call&& call) {
+  try {
+    call();
+  } catch (const OptionError& e) {
+    const std::string head = OptionError(e.field(), e.value(), "").what();
+    throw OptionError(path, e.field() + " " + e.value(), std::string(e.what()).substr(head.size()));
+  }
+}
+
+}  // namespace
+
+DesignStages::DesignStages(Surface surface, DesignRunOptions options, bool once)
+    : surface_(std::move(surface)), options_(std::move(options)), once_(once) {
+  if (options_.threads < 0 || options_.threads > 4096)
+    throw OptionError("threads", std::to_string(options_.threads), "must be 0 (all of the machine) or 1 to 4096");
+  if (!(options_.residual > 0)) throw OptionError("residual", std::to_string(options_.residual), "must be positive");
+}
+
+void DesignStages::forget() {
+  designer_.reset();
+  designer_text_.clear();
+  guidance_text_.clear();
+  held_.clear();
+}
+
+void DesignStages::connect(const DesignFile& placed) {
+  std::string text = connection_key(placed);
+  if (text == connection_text_) return;
+  forget();
+  connection_text_.clear();
+  connected_ = alcap::connect(surface_, connection_options(placed));
+  connection_text_ = std::move(text);
+}
+
+void DesignStages::guide(const DesignFile& placed, Source source) {
+  std::string text = guidance_key(placed, source);
+  if (text == guidance_text_) return;
+  forget();
+  guidance_ = find_guidance(connected_, placed, source, options_.solver);
+  guidance_text_ = std::move(text);
+}
+
+void DesignStages::prepare(const DesignFile& placed, const std::vector<DesignControl>& controls) {
+  std::string text = designer_key(placed);
+  if (text == designer_text_ && designer_) return;
+  const DesignGuidance& g = placed.guidance;
+  const bool guided = g.source != Source::none;
+  held_.clear();
+  designer_text_.clear();
+  designer_ = std::make_unique<Designer>(connected_,
+                                         DesignerOptions{.n = placed.n,
+                                                         .guidance_weight = guided && !g.t ? g.weight : 0.0,
+                                                         .t = g.t,
+                                                         .s = placed.s,
+                                                         .solver = options_.solver,
+                                                         .right_hand_sides = once_ ? right_hand_sides(controls) : 0});
+  if (guidance_.u) designer_->set_guidance(*guidance_.u);
+  if (!g.weights.empty()) {
+    designer_->set_guidance_weights(
+        Eigen::Map<const VectorX<double>>(g.weights.data(), static_cast<Eigen::Index>(g.weights.size())));
+  }
+  designer_text_ = std::move(text);
+}
+
+void DesignStages::put(const std::vector<DesignControl>& controls, std::vector<std::string> keys) {
+  while (held_.size() > controls.size()) {
+    designer_->remove(held_.back().id);
+    held_.pop_back();
+  }
+  for (std::size_t k = 0; k < controls.size(); ++k) {
+    const DesignControl& c = controls[k];
+    at_path(c.path, [&] {
+      if (k == held_.size()) {
+        held_.push_back({std::move(keys[k]), designer_->add(c.control)});
+      } else if (held_[k].key != keys[k]) {
+        designer_->set(held_[k].id, c.control);
+        held_[k].key = std::move(keys[k]);
+      }
+    });
+  }
+}
+
+bool DesignStages::solve_variational(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
+                                     DesignRun& run) {
+  Stopwatch watch;
+  try {
+    say("prepare");
+    prepare(run.design, controls);
+    put(controls, control_keys(run.design));
+    run.times.prepare = watch.lap();
+    say("solve");
+    DesignResult result = designer_->solve();
+    run.field = std::move(result.field);
+    run.rows = result.rows;
+    run.solves = result.solves;
+    run.residual = result.residual;
+    run.solver = std::move(result.solver);
+    run.times.solve = result.seconds;
+    for (const Held& held : held_)
+      for (const ControlReport& report : result.controls)
+        if (report.id == held.id) reports.push_back(report);
+  } catch (...) {
+    forget();  // a control may be half replaced
+    throw;
+  }
+  return true;
+}
+
+bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
+                               DesignRun& run) {
+  EigenControls asked;
+  for (const DesignControl& c : controls) {
+    if (const auto* target = std::get_if<SingularityTarget>(&c.control)) asked.singularities.push_back(*target);
+    if (const auto* stroke = std::get_if<Stroke>(&c.control))
+      asked.strokes.push_back({.line = stroke->line, .weight = stroke->weight});
+  }
+  say("solve");
+  EigenDesignResult result =
+      eigen_design(connected_, asked, {.n = run.design.n, .s = run.design.s, .eigen = {.solver = options_.solver}});
+  run.times.prepare = result.assembly_seconds;
+  run.times.solve = result.eigen_seconds;
+  run.field = std::move(result.field);
+  reports = std::move(result.singularities);
+  for (const EigenStrokeReport& stroke : result.strokes)
+    reports.push_back({.met = stroke.met, .error_degrees = stroke.mean_degrees});
+  bool converged = true;
+  for (const EigenReport& e : result.components) {
+    converged = converged && e.converged;
+    run.residual = std::max(run.residual, e.residual);
+    run.solver = e.solver;
+  }
+  run.eigen = std::move(result.components);
+  return converged;
+}
+
+DesignRun DesignStages::solve(const DesignFile& design) {
+  DesignRun run;
+  Stopwatch watch;
+  say("connection");
+  run.design = place_design(design, surface_);
+  connect(run.design);
+  run.surface = connected_;
+  // From here on the cones are those of the connection.
+  run.design.connection.cones = connected_.connection().cones;
+  run.design.connection.balance = false;
+  const std::vector<DesignControl> controls = design_controls(run.design, connected_);
+  run.times.connection = watch.lap();
+
+  const bool variational = run.design.method == DesignMethod::variational;
+  const bool lone = variational && controls.empty() && run.design.guidance.source == Source::none;
+  bool converged = true;
+  std::vector<ControlReport> reports;
+  if (variational) {
+    say("guidance");
+    guide(run.design, lone ? Source::smoothest : run.design.guidance.source);
+    run.guidance = guidance_.u;
+    run.guidance_scale = guidance_.scale;
+    converged = guidance_.converged;
+    run.times.guidance = watch.lap();
+  }
+  if (lone)
+    run.field = {.n = run.design.n, .u = *guidance_.u, .frames = connected_.frames()};
+  else
+    converged =
+        (variational ? solve_variational(controls, reports, run) : solve_eigen(controls, reports, run)) && converged;
+
+  watch.lap();
+  say("analysis");
+  run.indices = face_indices(run.surface, run.field);
+  run.index_sums = index_sums(run.surface, run.field, run.indices);
+  run.singularities = find_singularities(run.surface, run.field, run.indices);
+  run.outcomes = judge_design(run, controls, reports);
+  certify_design(run, converged, options_.residual);
+  if (options_.normalise) run.field = normalised(std::move(run.field));
+  run.times.analysis = watch.lap();
+  return run;
+}
+
+}  // namespace detail
+
+struct DesignSession::State {
+  detail::DesignStages stages;
+  int threads;
+};
+
+DesignSession::DesignSession(const Surface& surface, DesignRunOptions options) {
+  const int threads = options.threads;
+  state_ = std::make_unique<State>(State{detail::DesignStages(surface, std::move(options), false), threads});
+}
+DesignSession::~DesignSession() = default;
+DesignSession::DesignSession(DesignSession&&) noexcept = default;
+DesignSession& DesignSession::operator=(DesignSession&&) noexcept = default;
+
+DesignRun DesignSession::solve(const DesignFile& design) {
+  DesignRun run;
+  run_with_threads(state_->threads, [&] { run = state_->stages.solve(design); });
+  return run;
+}
+
+DesignRun run_design(const Surface& surface, const DesignFile& design, const DesignRunOptions& options) {
+  detail::DesignStages stages(surface, options, true);
+  DesignRun run;
+  run_with_threads(options.threads, [&] { run = stages.solve(design); });
+  return run;
+}
+
+DesignFile plan_design(const DesignFile& design, const Surface& surface) {
+  DesignFile placed = place_design(design, surface);
+  if (placed.connection.kind == ConnectionKind::trivial && placed.connection.balance)
+    placed.connection.cones = balance_cones(surface, placed.connection.cones, {.n = placed.n});
+  placed.connection.balance = false;
+  return placed;
+}
+
+}  // namespace alcap

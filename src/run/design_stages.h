@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+//
+// design_stages.h: the stages of a design run. Each knows the text of the part of the design that it was made from; it
+// is made anew when that text changes, and so are the stages after it. Within the designer, controls are compared one
+// by one. Internal to run.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "alcap/design_run.h"
+
+namespace alcap::detail {
+
+/// A field to stay close to, scaled to root mean square length 1 over the surface.
+struct ScaledGuidance {
+  std::shared_ptr<const ComplexVectorX<double>> u;  // null: none, or zero
+  double scale = 0;
+  bool converged = true;  // of the eigenproblems, where it is the smallest field
+};
+
+/// Throws OptionError (/guidance/field) when the surface has no such directions, FileError for a bad file.
+[[nodiscard]] ScaledGuidance find_guidance(const ConnectedSurface& surface, const DesignFile& placed,
+                                           DesignGuidance::Source source, const std::string& solver);
+
+/// The stages; one design at a time.
+class DesignStages {
+ public:
+  /// `once`: no second design will come, which lets the linear backend be chosen for this one alone.
+  DesignStages(Surface surface, DesignRunOptions options, bool once);
+
+  [[nodiscard]] DesignRun solve(const DesignFile& design);
+
+ private:
+  struct Held {
+    std::string key;
+    ControlId id{};
+  };
+  void say(const char* phase) const {
+    if (options_.progress) options_.progress(phase);
+  }
+  void connect(const DesignFile& placed);
+  void guide(const DesignFile& placed, DesignGuidance::Source source);
+  void prepare(const DesignFile& placed, const std::vector<DesignControl>& controls);
+  void put(const std::vector<DesignControl>& controls, std::vector<std::string> keys);
+  void forget();
+  /// Fills field, reports of the controls, and what the solve did; returns whether every eigenproblem converged.
+  bool solve_variational(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
+                         DesignRun& run);
+  bool solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports, DesignRun& run);
+
+  Surface surface_;
+  DesignRunOptions options_;
+  bool once_;
+
+  std::string connection_text_;
+  ConnectedSurface connected_;
+  std::string guidance_text_;
+  ScaledGuidance guidance_;
+  std::string designer_text_;
+  std::unique_ptr<Designer> designer_;
+  std::vector<Held> held_;
+};
+
+/// What became of the controls and cones, in the order of the design. `reports` are those of `controls`.
+[[nodiscard]] std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<DesignControl>& controls,
+                                                      const std::vector<ControlReport>& reports);
+
+/// Certificate and remarks, from everything else.
+void certify_design(DesignRun& run, bool eigen_converged, double largest_residual);
+
+}  // namespace alcap::detail
