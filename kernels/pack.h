@@ -13,7 +13,8 @@
 //
 //   template <class T> T cube(const T& x) { return x * x * x; }
 //   cube(2.0);                                 // 8
-//   cube(Pack<float, 4, isa::Sse2>(2.0f));     // 8 8 8 8
+//   struct Here;                               // the tag of this file's instruction set
+//   cube(Pack<float, 4, Here>(2.0f));          // 8 8 8 8
 #pragma once
 
 #include <concepts>
@@ -22,13 +23,6 @@
 #define ALCAP_INLINE [[gnu::always_inline]] inline
 
 namespace alcap::kernels {
-
-/// Instruction-set tags.
-namespace isa {
-struct Sse2;
-struct Avx2;
-struct Avx512;
-}  // namespace isa
 
 /// The result of comparing two packs: per lane, all bits set or none.
 template <class T, int N, class Isa>

@@ -123,6 +123,8 @@ void peak(benchmark::State& state, int threads, bool single) {
   perf::flops(state, 2.0 * (single ? 112 : 56) * rounds * tasks);
 }
 
+struct Here;  // tag of packs that are compiled with this file's flags
+
 void declare(const perf::Plan& plan) {
   const std::array<std::pair<const char*, double>, 3> forms{{{"series", 1e-3}, {"chebyshev", 1.0}, {"closed", 5.0}}};
   for (const Isa isa : detail::available_isas())
@@ -135,10 +137,8 @@ void declare(const perf::Plan& plan) {
     }
   other_kernels<float>("float", "scalar");
   other_kernels<double>("double", "scalar");
-#if defined(__x86_64__)
-  other_kernels<kernels::Pack<float, 4, kernels::isa::Sse2>>("float", "sse2");
-  other_kernels<kernels::Pack<double, 2, kernels::isa::Sse2>>("double", "sse2");
-#endif
+  other_kernels<kernels::Pack<float, 4, Here>>("float", "portable");
+  other_kernels<kernels::Pack<double, 2, Here>>("double", "portable");
   for (const int threads : plan.threads) {
     const std::string end = "/threads:" + std::to_string(threads);
     benchmark::RegisterBenchmark(("machine/triad" + end).c_str(), [=](benchmark::State& s) {

@@ -161,29 +161,4 @@ struct TrivialOptions {
 void measure_deviation(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options,
                        Connection& connection);
 
-namespace detail {
-
-/// The lifted state that every construction starts from and the optimisation corrects. Per halfedge h = i -> j of face
-/// t: start = rho_{vi->t} - rho_{vi->e} - rho_{e->t}, end = rho_{vj->t} - rho_{vj->e} - rho_{e->t}; then tau = eps -
-/// start + end, without any modulus.
-struct LiftedResiduals {
-  VectorX<double> start, end;
-};
-
-/// Assembles a connection from the curvature each interior vertex shall have: the corner angles seen are
-/// angle + alpha_h - alpha_prev(h), each takes the share curvature(v) * angle / angle_sum of its vertex's curvature.
-/// With curvature = angle defect and no alpha this is the polar map. `residuals` receives the lifted state.
-[[nodiscard]] Connection build_connection(const Mesh& mesh, const Geometry& geometry,
-                                          const VectorX<double>& vertex_curvature, const VectorX<double>& alpha,
-                                          PolarCenter center, LiftedResiduals& residuals);
-
-/// Moves rho_{v->t} so that tau = -K/3.
-void optimise_locally(const Mesh& mesh, Connection& connection, LiftedResiduals& residuals);
-
-/// Minimises D_T + detail D_E from here; with `fix_rho` the vertex-to-vertex rotations (hence every K) stay.
-void optimise_globally(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options, bool fix_rho,
-                       Connection& connection, LiftedResiduals& residuals);
-
-}  // namespace detail
-
 }  // namespace alcap

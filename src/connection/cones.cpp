@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: MIT
+//
+// cones.cpp: cones where curvature lies. The potential phi of L phi = curvature, less what the cones so far take and
+// the rest spread evenly, is largest where a cone of that sign is missing most.
 #include "alcap/cones.h"
 
 #include <algorithm>
@@ -7,14 +10,86 @@
 
 #include "alcap/solve.h"
 #include "alcap/topology.h"
+#include "src/base/array.h"
+#include "src/connection/cone_index.h"
 #include "src/connection/grounded_laplacian.h"
 
 namespace alcap {
 namespace {
 
 using Vector = VectorX<double>;
+using detail::at;
 
-constexpr double multiple_tolerance = 1e-6;
+// What is still missing of every component's Euler characteristic, and of every vertex's curvature.
+class Balance {
+ public:
+  Balance(const Mesh& mesh, const Geometry& geometry, const Topology& topology, int n)
+      : mesh_(mesh),
+        topology_(topology),
+        n_(n),
+        lacking_(topology.components.size()),
+        area_(topology.components.size(), 0.0),
+        curvature_(Vector::Zero(mesh.vertices())),
+        share_(Vector::Zero(mesh.vertices())) {
+    for (std::size_t c = 0; c < lacking_.size(); ++c) lacking_[c] = topology.components[c].euler;
+    for (Index v = 0; v < mesh.vertices(); ++v)
+      if (mesh.referenced(v)) curvature_[v] = geometry.defect(mesh, v);
+    for (Index h = 0; h < mesh.halfedges(); ++h) share_[mesh.tail(h)] += geometry.area(Mesh::face(h)) / 3;
+    for (Index v = 0; v < mesh.vertices(); ++v)
+      if (mesh.referenced(v)) area_[component(v)] += share_[v];
+  }
+
+  void account(const Cone& cone) {
+    curvature_[cone.vertex] -= 2 * pi<double> * cone.index;
+    lacking_[component(cone.vertex)] -= cone.index;
+  }
+
+  [[nodiscard]] bool unbalanced(std::size_t c) const {
+    return topology_.components[c].boundary_loops == 0 && std::abs(lacking_[c]) * n_ > 0.5;
+  }
+  [[nodiscard]] bool done() const {
+    for (std::size_t c = 0; c < lacking_.size(); ++c)
+      if (unbalanced(c)) return false;
+    return true;
+  }
+
+  // The curvature that cones have not taken, with what is lacking taken evenly off each component.
+  [[nodiscard]] MatrixX<double> right_hand_side() const {
+    MatrixX<double> b = curvature_;
+    for (Index v = 0; v < mesh_.vertices(); ++v) {
+      if (topology_.vertex_component[at(v)] == none) continue;
+      const std::size_t c = component(v);
+      b(v, 0) -= 2 * pi<double> * lacking_[c] * share_[v] / area_[c];
+    }
+    return b;
+  }
+
+  // The next cone of unbalanced component c.
+  [[nodiscard]] Cone next(std::size_t c, const MatrixX<double>& phi) const {
+    const double sign = lacking_[c] > 0 ? 1 : -1;
+    Index best = none;
+    for (Index v = 0; v < mesh_.vertices(); ++v)
+      if (topology_.vertex_component[at(v)] == static_cast<Index>(c) &&
+          (best == none || sign * phi(v, 0) > sign * phi(best, 0)))
+        best = v;
+    return {.vertex = best, .index = sign / n_};
+  }
+
+ private:
+  [[nodiscard]] std::size_t component(Index v) const { return at(topology_.vertex_component[at(v)]); }
+
+  const Mesh& mesh_;
+  const Topology& topology_;
+  int n_;
+  std::vector<double> lacking_, area_;
+  Vector curvature_, share_;
+};
+
+void check_cone(const Mesh& mesh, const Cone& cone, int n) {
+  if (cone.vertex < 0 || cone.vertex >= mesh.vertices() || !mesh.referenced(cone.vertex))
+    throw OptionError("cones", std::to_string(cone.vertex), "must be a vertex that a face uses");
+  detail::check_multiple("cones", cone.index, n);
+}
 
 }  // namespace
 
@@ -22,66 +97,30 @@ std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry& geometry, cons
                                 const BalanceOptions& options) {
   if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
   const Topology topology = find_topology(mesh);
-  std::vector<double> lacking(topology.components.size()), area(topology.components.size(), 0.0);
-  for (std::size_t c = 0; c < lacking.size(); ++c) lacking[c] = topology.components[c].euler;
-  Vector curvature = Vector::Zero(mesh.vertices()), share = Vector::Zero(mesh.vertices());
-  for (Index v = 0; v < mesh.vertices(); ++v)
-    if (mesh.referenced(v)) curvature[v] = geometry.defect(mesh, v);
-  for (Index h = 0; h < mesh.halfedges(); ++h) share[mesh.tail(h)] += geometry.area(Mesh::face(h)) / 3;
-  for (Index v = 0; v < mesh.vertices(); ++v)
-    if (mesh.referenced(v))
-      area[static_cast<std::size_t>(topology.vertex_component[static_cast<std::size_t>(v)])] += share[v];
-  const auto account = [&](const Cone& cone) {
-    curvature[cone.vertex] -= 2 * pi<double> * cone.index;
-    lacking[static_cast<std::size_t>(topology.vertex_component[static_cast<std::size_t>(cone.vertex)])] -= cone.index;
-  };
+  Balance balance(mesh, geometry, topology, options.n);
   for (const Cone& cone : cones) {
-    const std::string name = std::to_string(cone.vertex);
-    if (cone.vertex < 0 || cone.vertex >= mesh.vertices() || !mesh.referenced(cone.vertex))
-      throw OptionError("cones", name, "must be a vertex that a face uses");
-    if (!(std::abs(cone.index * options.n - std::nearbyint(cone.index * options.n)) <= multiple_tolerance))
-      throw OptionError("cones", std::to_string(cone.index), "must be a multiple of 1/" + std::to_string(options.n));
-    account(cone);
+    check_cone(mesh, cone, options.n);
+    balance.account(cone);
   }
-
   std::vector<Cone> all = cones;
-  const auto unbalanced = [&](std::size_t c) {
-    return topology.components[c].boundary_loops == 0 && std::abs(lacking[c]) * options.n > 0.5;
-  };
-  const auto open = [&] {
-    for (std::size_t c = 0; c < lacking.size(); ++c)
-      if (unbalanced(c)) return true;
-    return false;
-  };
-  if (!open()) return all;
+  if (balance.done()) return all;
   const std::unique_ptr<LinearSolver<double>> solver = make_linear_solver<double>({.name = options.solver});
   const SparseMatrix<double> L = detail::grounded_laplacian(mesh, geometry, topology);
   solver->analyse(L);
   solver->factorise(L);
-  while (open()) {
-    MatrixX<double> b = curvature, phi(mesh.vertices(), 1);
-    for (Index v = 0; v < mesh.vertices(); ++v) {
-      const Index c = topology.vertex_component[static_cast<std::size_t>(v)];
-      if (c == none) continue;
-      b(v, 0) -= 2 * pi<double> * lacking[static_cast<std::size_t>(c)] * share[v] / area[static_cast<std::size_t>(c)];
-    }
-    (void)solver->solve(b, phi);
-    for (std::size_t c = 0; c < lacking.size(); ++c) {
-      if (!unbalanced(c)) continue;
-      const double sign = lacking[c] > 0 ? 1 : -1;
-      Index best = none;
-      for (Index v = 0; v < mesh.vertices(); ++v)
-        if (topology.vertex_component[static_cast<std::size_t>(v)] == static_cast<Index>(c) &&
-            (best == none || sign * phi(v, 0) > sign * phi(best, 0)))
-          best = v;
-      const Cone cone{.vertex = best, .index = sign / options.n};
+  while (!balance.done()) {
+    MatrixX<double> phi(mesh.vertices(), 1);
+    (void)solver->solve(balance.right_hand_side(), phi);
+    for (std::size_t c = 0; c < topology.components.size(); ++c) {
+      if (!balance.unbalanced(c)) continue;
+      const Cone cone = balance.next(c, phi);
       const auto same = std::find_if(all.begin() + static_cast<std::ptrdiff_t>(cones.size()), all.end(),
-                                     [&](const Cone& other) { return other.vertex == best; });
+                                     [&](const Cone& other) { return other.vertex == cone.vertex; });
       if (same == all.end())
         all.push_back(cone);
       else
         same->index += cone.index;
-      account(cone);
+      balance.account(cone);
     }
   }
   return all;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "src/base/array.h"
 #include "src/base/parallel.h"
 #include "src/simd/angles.h"
 
@@ -38,7 +39,7 @@ class Rings {
       });
       if (mesh.boundary_vertex(v))
         add(none, V.row(mesh.tail(last)) - V.row(v), connection.rho_end(mesh, last) - pi<double>);
-      end_[static_cast<std::size_t>(v - begin)] = corner_.size();
+      end_[detail::at(v - begin)] = corner_.size();
     }
     unit_.resize(direction_.size());
     detail::unit_numbers(static_cast<std::int64_t>(unit_.size()), direction_.data(), double(-1), unit_.data());
@@ -52,8 +53,8 @@ class Rings {
     std::span<const Complex<double>> unit;  // exp(-i direction of the edge)
   };
   [[nodiscard]] Ring ring(std::int64_t i) const {
-    const std::size_t from = i == 0 ? 0 : end_[static_cast<std::size_t>(i) - 1];
-    const std::size_t count = end_[static_cast<std::size_t>(i)] - from;
+    const std::size_t from = i == 0 ? 0 : end_[detail::at(i - 1)];
+    const std::size_t count = end_[detail::at(i)] - from;
     return {std::span(corner_).subspan(from, count), std::span(edge_).subspan(from, count),
             std::span(unit_).subspan(from, count)};
   }

@@ -10,38 +10,41 @@
 #include "alcap/mesh.h"
 #include "alcap/solve.h"
 #include "alcap/topology.h"
+#include "src/base/array.h"
 
 namespace alcap::detail {
 
+/// Cotangent weights, of order 1, are raised to this where angles are obtuse: any positive weight gives a definite
+/// matrix and a valid connection.
+inline constexpr double least_cotangent_weight = 1e-3;
+
 /// Cotangent Laplacian, #V x #V, one vertex of each component tied to the ground, ones for unreferenced vertices.
-/// Weights are kept above a small positive number, so that obtuse angles leave it definite.
 [[nodiscard]] inline SparseMatrix<double> grounded_laplacian(const Mesh& mesh, const Geometry& geometry,
                                                              const Topology& topology) {
-  constexpr double least_weight = 1e-3;
   std::vector<Eigen::Triplet<double, Index>> entries;
-  entries.reserve(4 * static_cast<std::size_t>(mesh.edges()) + static_cast<std::size_t>(mesh.vertices()));
+  entries.reserve(4 * at(mesh.edges()) + at(mesh.vertices()));
   std::vector<double> largest(topology.components.size(), 0);
   for (Index e = 0; e < mesh.edges(); ++e) {
     const Index h = mesh.halfedge(e), g = mesh.twin(h);
-    double w = double(geometry.cot(Mesh::prev(h))) / 2;
-    if (g != none) w += double(geometry.cot(Mesh::prev(g))) / 2;
-    w = std::max(w, least_weight);
+    double w = geometry.cot(Mesh::prev(h)) / 2;
+    if (g != none) w += geometry.cot(Mesh::prev(g)) / 2;
+    w = std::max(w, least_cotangent_weight);
     const Index i = mesh.tail(h), j = mesh.tip(h);
     entries.emplace_back(i, i, w);
     entries.emplace_back(j, j, w);
     entries.emplace_back(i, j, -w);
     entries.emplace_back(j, i, -w);
-    double& most = largest[static_cast<std::size_t>(topology.vertex_component[static_cast<std::size_t>(i)])];
+    double& most = largest[at(topology.vertex_component[static_cast<std::size_t>(i)])];
     most = std::max(most, w);
   }
   std::vector<bool> grounded(topology.components.size(), false);
   for (Index v = 0; v < mesh.vertices(); ++v) {
-    const Index c = topology.vertex_component[static_cast<std::size_t>(v)];
+    const Index c = topology.vertex_component[at(v)];
     if (c == none) {
       entries.emplace_back(v, v, 1.0);
-    } else if (!grounded[static_cast<std::size_t>(c)]) {
-      entries.emplace_back(v, v, largest[static_cast<std::size_t>(c)]);
-      grounded[static_cast<std::size_t>(c)] = true;
+    } else if (!grounded[at(c)]) {
+      entries.emplace_back(v, v, largest[at(c)]);
+      grounded[at(c)] = true;
     }
   }
   SparseMatrix<double> L(mesh.vertices(), mesh.vertices());

@@ -23,13 +23,4 @@ namespace alcap::detail {
   return frame;
 }
 
-/// The values of a vertex array at the corners of face t.
-template <class Vector>
-void corner_values(const Mesh& mesh, const Vector& u, Index t, kernels::Cplx<double> (&out)[3]) {
-  for (Index c = 0; c < 3; ++c) {
-    const auto value = u[mesh.tail(3 * t + c)];
-    out[c] = {value.real(), value.imag()};
-  }
-}
-
 }  // namespace alcap::detail

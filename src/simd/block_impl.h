@@ -1,31 +1,30 @@
 // SPDX-License-Identifier: MIT
 //
-// block_impl.h: the loops of block_raw.h over packs of L floats. Included by one file per instruction set, each
-// compiled with its own flags; the tag keeps the instantiations apart. Every lane does the same operations in the same
-// order whatever the width, so that all machines get the same bits.
+// block_impl.h: the loops of block_loops.h over packs of floats. Part of loops_impl.h.
 //
 // A complex product sum(a z) over pairs [re | im] is kept in two halves, sum(re(a) z) and sum(im(a) z), so that the
 // loops need no shuffles; the halves are joined at the end of a row.
 #pragma once
 
 #include "kernels/pack.h"
-#include "src/simd/block_raw.h"
+#include "src/simd/block_loops.h"
 
-namespace alcap::detail::simd {
+namespace alcap::detail::simd::ALCAP_SIMD {
 
-using kernels::Pack;
+/// As many of the 2 K numbers of a row as fit into a register.
+template <int K>
+using Floats = Pack<float, (2 * K < lanes_of<float> ? 2 * K : lanes_of<float>)>;
 
 /// re + i im of two halves: [re.re - im.im | re.im + im.re], with the second half conjugated if asked.
-template <class Tag, int K, bool conjugate, class T>
+template <int K, bool conjugate, class T>
 ALCAP_INLINE void join(const T* re, const T* im, T* out) {
   for (int k = 0; k < K; ++k) out[k] = conjugate ? re[k] + im[K + k] : re[k] - im[K + k];
   for (int k = 0; k < K; ++k) out[K + k] = conjugate ? re[K + k] - im[k] : re[K + k] + im[k];
 }
 
 /// One vector: two entries at a time in four lanes, which no wider register would speed up at six entries a row.
-template <class Tag>
-void rows_single(const RawRows& A, long long begin, long long end, const float* x, float p, const float* u, float q,
-                 const float* v, float s, float* y) {
+inline void rows_single(const RawRows& A, long long begin, long long end, const float* x, float p, const float* u,
+                        float q, const float* v, float s, float* y) {
   typedef float Four __attribute__((vector_size(16)));
   typedef double Two __attribute__((vector_size(16)));
   for (long long i = begin; i < end; ++i) {
@@ -64,10 +63,10 @@ void rows_single(const RawRows& A, long long begin, long long end, const float* 
   }
 }
 
-template <class Tag, int L, int K>
+template <int K>
 void rows(const RawRows& A, long long begin, long long end, const float* x, float p, const float* u, float q,
           const float* v, float s, float* y) {
-  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  using P = Floats<K>;
   constexpr int N = 2 * K / P::size;
   for (long long i = begin; i < end; ++i) {
     P re[N], im[N];
@@ -84,7 +83,7 @@ void rows(const RawRows& A, long long begin, long long end, const float* x, floa
     float real[2 * K], imaginary[2 * K], sum[2 * K];
     for (int n = 0; n < N; ++n) re[n].store(real + n * P::size);
     for (int n = 0; n < N; ++n) im[n].store(imaginary + n * P::size);
-    join<Tag, K, false>(real, imaginary, sum);
+    join<K, false>(real, imaginary, sum);
     for (int n = 0; n < N; ++n) {
       P out = P(s) * P::load(sum + n * P::size);
       if (u != nullptr) out = out + P(p) * P::load(u + 2 * K * i + n * P::size);
@@ -94,11 +93,11 @@ void rows(const RawRows& A, long long begin, long long end, const float* x, floa
   }
 }
 
-template <class Tag, int L, int K>
+template <int K>
 void pencil(const RawPencil& A, long long begin, long long end, const float* x, float* Sx, float* Mx) {
   // Eight numbers of a row at a time: the four sums of S and M then stay in registers.
   constexpr int width = 8;
-  using P = Pack<double, (L / 2 < width ? L / 2 : width), Tag>;
+  using P = Pack<double, (lanes_of<double> < width ? lanes_of<double> : width)>;
   constexpr int N = width / P::size;
   for (long long j = begin; j < end; ++j, Sx += 2 * K, Mx += 2 * K) {
     double S_re[2 * K], S_im[2 * K], M_re[2 * K], M_im[2 * K];
@@ -121,16 +120,16 @@ void pencil(const RawPencil& A, long long begin, long long end, const float* x, 
         for (int n = 0; n < N; ++n) sums[k][n].store(to[k] + part + n * P::size);
     }
     double S_sum[2 * K], M_sum[2 * K];
-    join<Tag, K, true>(S_re, S_im, S_sum);
-    join<Tag, K, true>(M_re, M_im, M_sum);
+    join<K, true>(S_re, S_im, S_sum);
+    join<K, true>(M_re, M_im, M_sum);
     for (int k = 0; k < 2 * K; ++k) Sx[k] = static_cast<float>(A.S_scale * S_sum[k]);
     for (int k = 0; k < 2 * K; ++k) Mx[k] = static_cast<float>(A.M_scale * M_sum[k]);
   }
 }
 
-template <class Tag, int L, int K>
+template <int K>
 void gram(const float* left, const float* right, long long rows, double* out) {
-  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  using P = Floats<K>;
   constexpr int N = 2 * K / P::size;
   for (int a = 0; a < K; ++a) {
     P re[N], im[N];
@@ -146,14 +145,14 @@ void gram(const float* left, const float* right, long long rows, double* out) {
     float real[2 * K], imaginary[2 * K], sum[2 * K];
     for (int n = 0; n < N; ++n) re[n].store(real + n * P::size);
     for (int n = 0; n < N; ++n) im[n].store(imaginary + n * P::size);
-    join<Tag, K, true>(real, imaginary, sum);
+    join<K, true>(real, imaginary, sum);
     for (int b = 0; b < K; ++b) out[K * a + b] += static_cast<double>(sum[b]);
     for (int b = 0; b < K; ++b) out[K * (K + a) + b] += static_cast<double>(sum[K + b]);
   }
 }
 
 /// Coefficients as combine uses them: for each of the K vectors what its real and its imaginary part contribute.
-template <class Tag, int K>
+template <int K>
 ALCAP_INLINE void spread(const float* c, float (&re)[K][2 * K], float (&im)[K][2 * K]) {
   for (int a = 0; a < K; ++a)
     for (int b = 0; b < K; ++b) {
@@ -163,10 +162,10 @@ ALCAP_INLINE void spread(const float* c, float (&re)[K][2 * K], float (&im)[K][2
     }
 }
 
-template <class Tag, int L, int K>
+template <int K>
 ALCAP_INLINE void add_combination(const float* row, const float (&re)[K][2 * K], const float (&im)[K][2 * K],
-                                  Pack<float, (2 * K < L ? 2 * K : L), Tag>* sum) {
-  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+                                  Floats<K>* sum) {
+  using P = Floats<K>;
   for (int a = 0; a < K; ++a) {
     const P x(row[a]), y(row[K + a]);
     for (int n = 0; n < 2 * K / P::size; ++n)
@@ -174,28 +173,23 @@ ALCAP_INLINE void add_combination(const float* row, const float (&re)[K][2 * K],
   }
 }
 
-template <class Tag, int L, int K>
+template <int K>
 void combine(const float* a, const float* ca, const float* b, const float* cb, long long rows, float* out) {
-  using P = Pack<float, (2 * K < L ? 2 * K : L), Tag>;
+  using P = Floats<K>;
   constexpr int N = 2 * K / P::size;
   float a_re[K][2 * K], a_im[K][2 * K], b_re[K][2 * K], b_im[K][2 * K];
-  spread<Tag, K>(ca, a_re, a_im);
-  if (b != nullptr) spread<Tag, K>(cb, b_re, b_im);
+  spread<K>(ca, a_re, a_im);
+  if (b != nullptr) spread<K>(cb, b_re, b_im);
   for (long long i = 0; i < rows; ++i) {
     P sum[N];
     for (int n = 0; n < N; ++n) sum[n] = P(0.0F);
-    add_combination<Tag, L, K>(a + 2 * K * i, a_re, a_im, sum);
-    if (b != nullptr) add_combination<Tag, L, K>(b + 2 * K * i, b_re, b_im, sum);
+    add_combination<K>(a + 2 * K * i, a_re, a_im, sum);
+    if (b != nullptr) add_combination<K>(b + 2 * K * i, b_re, b_im, sum);
     for (int n = 0; n < N; ++n) sum[n].store(out + 2 * K * i + n * P::size);
   }
 }
 
-template <class Tag, int L>
-BlockKernels block_kernels(int K) {
-  if (K == 4) return {rows<Tag, L, 4>, pencil<Tag, L, 4>, gram<Tag, L, 4>, combine<Tag, L, 4>};
-  if (K == 8) return {rows<Tag, L, 8>, pencil<Tag, L, 8>, gram<Tag, L, 8>, combine<Tag, L, 8>};
-  if (K == 16) return {rows<Tag, L, 16>, pencil<Tag, L, 16>, gram<Tag, L, 16>, combine<Tag, L, 16>};
-  return {rows_single<Tag>, nullptr, nullptr, nullptr};
-}
+template <int K>
+inline constexpr BlockKernels block_kernels = {rows<K>, pencil<K>, gram<K>, combine<K>};
 
-}  // namespace alcap::detail::simd
+}  // namespace alcap::detail::simd::ALCAP_SIMD

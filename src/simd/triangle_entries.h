@@ -14,7 +14,7 @@
 #include <complex>
 #include <cstdint>
 
-#include "src/simd/isa.h"
+#include "src/simd/dispatch.h"
 
 namespace alcap::detail {
 
@@ -38,6 +38,11 @@ struct TriangleOutputs {
 /// Entries of the faces begin <= f < end. T is float or double. Throws OptionError when `isa` is not available here.
 template <class T>
 void triangle_entries(std::int64_t begin, std::int64_t end, const TriangleInputs<T>& in, const TriangleOutputs<T>& out,
-                      Isa isa = best_isa());
+                      Isa isa = best_isa()) {
+  simd::element_loops<T>(isa).triangle_entries(
+      begin, end,
+      {in.cot, in.area, in.curvature, in.n, out.stiffness_diagonal, reinterpret_cast<T*>(out.stiffness_off),
+       reinterpret_cast<T*>(out.mass_off)});
+}
 
 }  // namespace alcap::detail

@@ -1,30 +1,27 @@
 // SPDX-License-Identifier: MIT
 //
 // vector_impl.h: the loops over one vector in double beside K of single precision, of the last digits of an eigenpair.
-// Included and compiled as block_impl.h is. Four lanes whatever the instruction set, so that sums across lanes have one
-// order on all machines.
+// Part of loops_impl.h. Four lanes whatever the instruction set, so that sums across lanes have one order on all
+// machines.
 #pragma once
 
 #include "kernels/pack.h"
-#include "src/simd/block_raw.h"
+#include "src/simd/block_loops.h"
 
-namespace alcap::detail::simd {
+namespace alcap::detail::simd::ALCAP_SIMD {
 
-template <class Tag>
-using Doubles = kernels::Pack<double, 4, Tag>;
+using Doubles = Pack<double, 4>;
 
 /// Four floats as doubles.
-template <class Tag>
-ALCAP_INLINE Doubles<Tag> widen(const float* from) {
+ALCAP_INLINE Doubles widen(const float* from) {
   typedef float Floats __attribute__((vector_size(16)));
   Floats f;
   __builtin_memcpy(&f, from, sizeof f);
-  return Doubles<Tag>::from(__builtin_convertvector(f, typename Doubles<Tag>::Native));
+  return Doubles::from(__builtin_convertvector(f, Doubles::Native));
 }
 
-template <class Tag>
-void pencil_single(const RawPencil& A, long long begin, long long end, const double* x, double* Sx, double* Mx) {
-  using P = Doubles<Tag>;
+inline void pencil_single(const RawPencil& A, long long begin, long long end, const double* x, double* Sx, double* Mx) {
+  using P = Doubles;
   for (long long j = begin; j < end; ++j, Sx += 2, Mx += 2) {
     // Lanes: S times re, S times im, the same of M. As in block_impl.h the two halves are joined at the end of a row.
     P re(0.0), im(0.0);
@@ -32,9 +29,9 @@ void pencil_single(const RawPencil& A, long long begin, long long end, const dou
       const double* const s = A.S + 2 * static_cast<long long>(e);
       const double* const m = A.M + 2 * static_cast<long long>(e);
       const double* const from = x + 2 * static_cast<long long>(A.row[e]);
-      const P z = P::from(typename P::Native{from[0], from[1], from[0], from[1]});
-      re = re + P::from(typename P::Native{s[0], s[0], m[0], m[0]}) * z;
-      im = im + P::from(typename P::Native{s[1], s[1], m[1], m[1]}) * z;
+      const P z = P::from(P::Native{from[0], from[1], from[0], from[1]});
+      re = re + P::from(P::Native{s[0], s[0], m[0], m[0]}) * z;
+      im = im + P::from(P::Native{s[1], s[1], m[1], m[1]}) * z;
     }
     Sx[0] = A.S_scale * (re[0] + im[1]);
     Sx[1] = A.S_scale * (re[1] - im[0]);
@@ -43,13 +40,13 @@ void pencil_single(const RawPencil& A, long long begin, long long end, const dou
   }
 }
 
-template <class Tag, int K>
+template <int K>
 void neighbour_products(const float* y, const double* s, const double* m, long long rows, double* out) {
-  using P = Doubles<Tag>;
+  using P = Doubles;
   for (int part = 0; part < K; part += P::size) {
     P S_re(0.0), S_im(0.0), M_re(0.0), M_im(0.0);
     for (long long i = 0; i < rows; ++i) {
-      const P re = widen<Tag>(y + 2 * K * i + part), im = widen<Tag>(y + 2 * K * i + K + part);
+      const P re = widen(y + 2 * K * i + part), im = widen(y + 2 * K * i + K + part);
       S_re = S_re + (re * P(s[2 * i]) + im * P(s[2 * i + 1]));
       S_im = S_im + (re * P(s[2 * i + 1]) - im * P(s[2 * i]));
       M_re = M_re + (re * P(m[2 * i]) + im * P(m[2 * i + 1]));
@@ -60,10 +57,10 @@ void neighbour_products(const float* y, const double* s, const double* m, long l
   }
 }
 
-template <class Tag, int K>
+template <int K>
 void advance(const double* own, const double* of_y, const float* y, const double* w, long long rows, double* p,
              double* x) {
-  using P = Doubles<Tag>;
+  using P = Doubles;
   constexpr int N = K / P::size;
   P c_re[N], c_im[N];
   for (int n = 0; n < N; ++n) {
@@ -73,7 +70,7 @@ void advance(const double* own, const double* of_y, const float* y, const double
   for (long long i = 0; i < rows; ++i) {
     P re(0.0), im(0.0);
     for (int n = 0; n < N; ++n) {
-      const P y_re = widen<Tag>(y + 2 * K * i + n * P::size), y_im = widen<Tag>(y + 2 * K * i + K + n * P::size);
+      const P y_re = widen(y + 2 * K * i + n * P::size), y_im = widen(y + 2 * K * i + K + n * P::size);
       re = re + (c_re[n] * y_re - c_im[n] * y_im);
       im = im + (c_re[n] * y_im + c_im[n] * y_re);
     }
@@ -92,11 +89,7 @@ void advance(const double* own, const double* of_y, const float* y, const double
   }
 }
 
-template <class Tag>
-VectorKernels vector_kernels(int K) {
-  if (K == 4) return {pencil_single<Tag>, neighbour_products<Tag, 4>, advance<Tag, 4>};
-  if (K == 8) return {pencil_single<Tag>, neighbour_products<Tag, 8>, advance<Tag, 8>};
-  return {pencil_single<Tag>, neighbour_products<Tag, 16>, advance<Tag, 16>};
-}
+template <int K>
+inline constexpr VectorKernels vector_kernels = {pencil_single, neighbour_products<K>, advance<K>};
 
-}  // namespace alcap::detail::simd
+}  // namespace alcap::detail::simd::ALCAP_SIMD

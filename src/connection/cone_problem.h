@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: MIT
+//
+// cone_problem.h: the rotations across edges that make a connection trivial (LTGD 2016, Sec. 5.4; Crane et al. 2010).
+//
+// x per edge is the extra rotation across it. Among all x that give every vertex its curvature (A x = b) and every
+// generator its holonomy (H x = c), the one that minimises sum x^2 / w is x = w (A' mu + H' nu). The mu come from
+// Poisson solves with A w A', the nu from a dense system of one row per generator. A boundary loop is one node, or none
+// when its index is free (mu = 0 there).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "alcap/connection.h"
+#include "alcap/solve.h"
+
+namespace alcap::detail {
+
+/// The Poisson problem over interior vertices and boundary loops.
+class ConeProblem {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  ConeProblem(const Mesh& mesh, const Geometry& geometry, const Topology& topology);
+
+  /// x of least norm for the wanted vertex indices (turns); loops get theirs, or stay free when `loop_index` is empty.
+  /// levi_civita: the holonomy of each generator without x.
+  [[nodiscard]] Vector solve(const Vector& vertex_index, const std::vector<double>& loop_index,
+                             const std::vector<Loop>& generators, const TrivialOptions& options,
+                             const Vector& levi_civita);
+
+  /// Turns that each boundary loop has under x.
+  [[nodiscard]] std::vector<double> loop_turns(const Vector& x) const;
+
+ private:
+  [[nodiscard]] Index loop_of(Index v) const;
+  [[nodiscard]] Index node(Index v) const;
+  void number_nodes(bool loops_are_nodes);
+  void factorise(const std::string& name);
+  [[nodiscard]] Vector right_hand_side(const Vector& vertex_index, const std::vector<double>& loop_index) const;
+  [[nodiscard]] Vector potentials(const Vector& b) const;
+  [[nodiscard]] Vector flow(const Vector& mu) const;
+  [[nodiscard]] double across(const Loop& strip, const Vector& x) const;
+  [[nodiscard]] Vector harmonic(const Loop& generator) const;
+  void add_generators(const std::vector<Loop>& generators, const TrivialOptions& options, const Vector& levi_civita,
+                      Vector& x) const;
+
+  const Mesh& mesh_;
+  const Topology& topology_;
+  Vector weight_, defect_;
+  std::vector<Index> loop_of_vertex_, node_of_vertex_;
+  Index nodes_ = 0;
+  std::unique_ptr<LinearSolver<double>> solver_;
+};
+
+}  // namespace alcap::detail

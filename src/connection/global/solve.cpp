@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: MIT
+#include "src/connection/global/solve.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "src/base/parallel.h"
+#include "src/connection/global/held_rotations.h"
+#include "src/connection/global/system.h"
+
+namespace alcap::detail {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+// Decides over rounds of refinement from the squared norms of their gradients.
+class Rounds {
+ public:
+  Rounds(const GlobalOptions& options, Index halfedges, Refinement& state)
+      : state_(state),
+        tolerance_(std::max(options.tolerance, 4 * epsilon)),
+        // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
+        rounding_(epsilon * std::sqrt(double(halfedges))),
+        most_(options.max_iterations) {}
+
+  /// Whether another correction is needed, for the gradient that the last one has left.
+  bool another(double square) {
+    const double norm = std::sqrt(std::max(0.0, square));
+    // A round that gains less than a digit has met its own rounding.
+    constexpr double useful_reduction = 0.1;
+    stalled_ = started_ && norm > useful_reduction * last_;
+    if (!started_) first_ = norm;
+    started_ = true;
+    last_ = norm;
+    state_.residual = first_ > rounding_ ? norm / first_ : 0.0;
+    state_.converged = state_.residual <= tolerance_;
+    return !state_.converged && left() > 0;
+  }
+  [[nodiscard]] bool stalled() const { return stalled_; }
+
+  /// The relative residual that the next solve should reach, a little below what is needed, and its iterations at most.
+  [[nodiscard]] double wanted() const { return 0.5 * tolerance_ / state_.residual; }
+  [[nodiscard]] int left() const { return most_ - state_.iterations; }
+  void add(int iterations) { state_.iterations += iterations; }
+
+ private:
+  Refinement& state_;
+  double tolerance_, rounding_, first_ = 0, last_ = 0;
+  int most_;
+  bool started_ = false, stalled_ = false;
+};
+
+Corrections no_corrections(const Mesh& mesh, FacePairs faces) {
+  Corrections c{std::move(faces), Array<EdgeCorrection>(mesh.edges()), Array<double>(mesh.halfedges()), {}};
+  parallel_for(mesh.edges(), [&](std::int64_t e) { c.edges[e] = {0, 0, 0}; });
+  return c;
+}
+
+bool open(const Mesh& mesh, const FacePairs& faces, std::int64_t i) {
+  return mesh.boundary_halfedge(mesh.halfedge(faces.edge[i]));
+}
+
+}  // namespace
+
+Corrections solve_free(const FaceEnergy& energy, const LiftedState& state, const GlobalOptions& options) {
+  constexpr double float_reduction = 1e-5;  // what a float solve gains before its rounding shows
+  const Mesh& mesh = energy.mesh;
+  Corrections c = no_corrections(mesh, pair_faces(mesh, energy.geometry));
+  Array<EdgeCorrection> forces(2 * std::int64_t{c.faces.outer});
+  const FaceRelaxation relaxation(energy, c.faces, state, c.edges, forces, c.corners);
+  const auto coefficients = [&](const auto& first, auto& out) { energy.coefficients(first, out); };
+  const auto gradient = [&](Index i) { return relaxation.force(i, open(mesh, c.faces, i)); };
+  // The first relaxation comes with the coefficients that both need.
+  CorrectionSystem<float> system(mesh, c.faces, coefficients, Rotations::free, relaxation);
+  std::optional<CorrectionSystem<double>> in_double;  // only where float does not do
+
+  const auto improve = [&](auto& some, double square, double wanted, int most) {
+    const int done = conjugate_gradients(some, square, wanted, most);
+    parallel_for(c.faces.outer,
+                 [&](std::int64_t i) { c.edges[i] = c.edges[i] + some.solution(static_cast<Index>(i)); });
+    return done;
+  };
+  Rounds rounds(options, mesh.halfedges(), c.refinement);
+  for (double square = system.start(gradient); rounds.another(square); square = system.start(gradient)) {
+    if (rounds.stalled()) {
+      if (in_double) break;  // which has reached its own rounding, too
+      in_double.emplace(mesh, c.faces, coefficients, Rotations::free, NoVisitor{});
+    }
+    if (in_double)
+      rounds.add(improve(*in_double, in_double->start(gradient), rounds.wanted(), rounds.left()));
+    else
+      rounds.add(improve(system, square, std::max(float_reduction, rounds.wanted()), rounds.left()));
+    relaxation.all(system);
+  }
+  return c;
+}
+
+Corrections solve_held(const FaceEnergy& energy, const LiftedState& state, const GlobalOptions& options) {
+  constexpr double least_reduction = 1e-8;  // of one solve, whose direction drifts by then
+  const Mesh& mesh = energy.mesh;
+  Corrections c = no_corrections(mesh, single_faces(mesh));
+  Array<EdgeCorrection> forces(2 * std::int64_t{mesh.edges()});
+  const FaceRelaxation relaxation(energy, c.faces, state, c.edges, forces, c.corners);
+  const auto coefficients = [&](const auto& first, auto& out) { energy.coefficients(first, out); };
+  const auto held_force = [&](const FaceRelaxation& faces, Index e) {
+    const EdgeCorrection force = faces.force(e, open(mesh, c.faces, e));
+    return EdgeCorrection{force.mean, force.difference, 0};
+  };
+  const auto gradient = [&](Index e) { return held_force(relaxation, e); };
+  CorrectionSystem<float> blocks(mesh, c.faces, coefficients, Rotations::held, relaxation);
+  const HeldRotations held(mesh, energy.geometry);
+
+  // A p: minus the forces of faces at rest whose edges are turned by p.
+  Array<double> unused(mesh.halfedges());
+  const auto product = [&](Array<EdgeCorrection>& p, Array<EdgeCorrection>& q) {
+    const FaceRelaxation rest(energy, c.faces, {}, p, forces, unused);
+    rest.all(blocks);
+    parallel_for(mesh.edges(), [&](std::int64_t e) { q[e] = -1.0 * held_force(rest, static_cast<Index>(e)); });
+  };
+  Array<EdgeCorrection> residual(mesh.edges());
+  Rounds rounds(options, mesh.halfedges(), c.refinement);
+  int stalls = 0;
+  while (rounds.another(blocks.start(gradient))) {
+    stalls += rounds.stalled() ? 1 : 0;
+    if (stalls > 1) break;
+    parallel_for(mesh.edges(), [&](std::int64_t e) { residual[e] = gradient(static_cast<Index>(e)); });
+    rounds.add(
+        held.solve(blocks, residual, std::max(least_reduction, rounds.wanted()), rounds.left(), product, c.edges));
+    relaxation.all(blocks);
+  }
+  return c;
+}
+
+}  // namespace alcap::detail
