@@ -8,12 +8,12 @@
 //
 // Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
 // and three double ones and the members of a cluster, whatever is more.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/eigenpair/block_descent.h"
 #include "solvers/eigenpair/cluster.h"
 #include "solvers/linear/backends.h"
@@ -151,13 +151,13 @@ class Cascade {
     for (Index i = 0; i < n; ++i)
       for (std::int64_t e = level.off.start[i]; e < level.off.start[i + 1]; ++e)
         A(i, level.off.column[e]) = std::complex<double>(level.off.value[e]);
-    const Eigen::SelfAdjointEigenSolver<MatrixX<std::complex<double>>> solver(root.asDiagonal() * A *
-                                                                              root.asDiagonal());
-    values = solver.eigenvalues().head(K);
+    const Eigenpairs<std::complex<double>> pairs =
+        hermitian_eigenpairs<std::complex<double>>(root.asDiagonal() * A * root.asDiagonal());
+    values = pairs.values.head(K);
     Buffer<float> x(2 * K * std::int64_t{n});
     for (Index i = 0; i < n; ++i)
       for (int k = 0; k < K; ++k) {
-        const std::complex<double> z = root[i] * solver.eigenvectors()(i, k);
+        const std::complex<double> z = root[i] * pairs.vectors(i, k);
         x[2 * K * std::int64_t{i} + k] = static_cast<float>(z.real());
         x[2 * K * std::int64_t{i} + K + k] = static_cast<float>(z.imag());
       }

@@ -70,22 +70,22 @@ class Iterated {
       : problem_(problem), inverse_(inverse), rows_(problem.S.rows()) {}
 
   /// But for |M y|, for which the guess is that of a uniform vector.
-  [[nodiscard]] double estimate(const Recurrence& basis, const Ritz& ritz) const {
-    const Index k = ritz.eigenvalues().size();
-    const double theta = ritz.eigenvalues()[k - 1];
+  [[nodiscard]] double estimate(const Recurrence& basis, const RitzPairs& ritz) const {
+    const Index k = ritz.values.size();
+    const double theta = ritz.values[k - 1];
     ComplexVector r(rows_);
     hermitian_product(inverse_.A, reinterpret_cast<const complex<double>*>(basis.vector_f().data()), r.data());
     // Basis vectors have y^H M y = area / rows: see Mass. Eigenvalues are theta = 1 / (area (lambda - sigma)).
     const double uniform = problem_.area / static_cast<double>(rows_);
     const double scale = std::max(1 / theta, 1.0) / problem_.area;
-    return r.norm() * std::abs(ritz.eigenvectors()(k - 1, k - 1)) / (theta * scale * uniform);
+    return r.norm() * std::abs(ritz.vectors(k - 1, k - 1)) / (theta * scale * uniform);
   }
 
-  void form(const Recurrence& basis, const Ritz& ritz) {
-    const Index k = ritz.eigenvalues().size();
+  void form(const Recurrence& basis, const RitzPairs& ritz) {
+    const Index k = ritz.values.size();
     u.resize(rows_);
     Eigen::Map<VectorX<double>>(reinterpret_cast<double*>(u.data()), 2 * rows_).noalias() =
-        basis.matrix_V().leftCols(k) * ritz.eigenvectors().col(k - 1);
+        basis.matrix_V().leftCols(k) * ritz.vectors.col(k - 1);
   }
 
   double check() { return check_pair(problem_, u, Su_, Mu_).residual; }
@@ -105,12 +105,12 @@ class Iterated {
   }
 
   /// The second eigenvalue from the first few Ritz vectors, u and i u counted once.
-  [[nodiscard]] double second(const Recurrence& basis, const Ritz& ritz) const {
-    const Index k = ritz.eigenvalues().size();
+  [[nodiscard]] double second(const Recurrence& basis, const RitzPairs& ritz) const {
+    const Index k = ritz.values.size();
     const Index count = std::min<Index>(k, k < 2 ? 1 : second_place(ritz) + 2);
     MatrixX<complex<double>> Y(rows_, count);
     Eigen::Map<MatrixX<double>>(reinterpret_cast<double*>(Y.data()), 2 * rows_, count).noalias() =
-        basis.matrix_V().leftCols(k) * ritz.eigenvectors().rightCols(count);
+        basis.matrix_V().leftCols(k) * ritz.vectors.rightCols(count);
     const std::vector<double> values = ritz_values(problem_, Y);
     return values[std::min<std::size_t>(1, values.size() - 1)];
   }
@@ -135,7 +135,7 @@ EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& op
   static_cast<void>(pair.check());  // throws when M is not positive definite
   const ComplexVector start = pair.u;
   LanczosLoop loop(pair, basis, options);
-  const Ritz ritz = loop.run({reinterpret_cast<const double*>(start.data()), 2 * rows}, size);
+  const RitzPairs ritz = loop.run({reinterpret_cast<const double*>(start.data()), 2 * rows}, size);
   EigenResult result;
   result.u = std::move(pair.u);
   result.report.next = pair.second(basis, ritz);

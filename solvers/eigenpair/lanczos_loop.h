@@ -8,21 +8,22 @@
 // that says it is done, the vector is formed and its true residual decides. Internal to solvers/.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/eigenpair/lanczos_recurrence.h"
 #include "solvers/linear/backends.h"
 
 namespace alcap::detail {
 
-using Ritz = Eigen::SelfAdjointEigenSolver<MatrixX<double>>;
+/// Ritz pairs of the basis; the largest value, which comes last, belongs to the smallest eigenvalue.
+using RitzPairs = Eigenpairs<double>;
 
 /// The Ritz value after the first and the copies of it that rounding brings in, counted from the end.
-inline Eigen::Index second_place(const Ritz& ritz) {
+inline Eigen::Index second_place(const RitzPairs& ritz) {
   constexpr double copy = 1e-6;  // Ritz values this close, relatively, to the first may be copies of it
-  const VectorX<double>& theta = ritz.eigenvalues();
+  const VectorX<double>& theta = ritz.values;
   const Eigen::Index k = theta.size();
   Eigen::Index place = 2;
   while (place < k && theta[k - place] > (1 - copy) * theta[k - 1]) ++place;
@@ -44,13 +45,13 @@ class LanczosLoop {
 
   /// From `start` to one that is as good as asked, or as it gets, with at most `size` basis vectors;
   /// the last Ritz pairs.
-  Ritz run(Eigen::Map<const VectorX<double>> start, Index size) {
+  RitzPairs run(Eigen::Map<const VectorX<double>> start, Index size) {
     basis_.init(start, solves_);
     Index stop_next = options_.max_iterations;  // when to stop waiting for the second Ritz value
     bool found = false;
     for (Index k = 1;; ++k) {
       check_cancelled(options_.cancel);
-      Ritz ritz(basis_.matrix_H().topLeftCorner(k, k));
+      const RitzPairs ritz = hermitian_eigenpairs<double>(basis_.matrix_H().topLeftCorner(k, k));
       if (!found && correction_ * problem_.estimate(basis_, ritz) <= options_.tolerance) {
         found = accept(ritz);
         if (found) stop_next = std::min<Index>(stop_next, solves_ + solves_for_next);
@@ -61,7 +62,7 @@ class LanczosLoop {
         return ritz;
       }
       if (k == size) {
-        basis_.restart(std::min(kept, size / 2), ritz.eigenvalues());
+        basis_.restart(std::min(kept, size / 2), ritz.values);
         k = basis_.subspace_dim();
       }
       basis_.factorize_from(k, k + 1, solves_);
@@ -78,7 +79,7 @@ class LanczosLoop {
 
   /// Forms the first Ritz vector and says whether to stop: its true residual is good enough, or rounding does not let
   /// it get better.
-  bool accept(const Ritz& ritz) {
+  bool accept(const RitzPairs& ritz) {
     problem_.form(basis_, ritz);
     double residual = problem_.check();
     const double promised = problem_.estimate(basis_, ritz);
@@ -96,11 +97,11 @@ class LanczosLoop {
     return false;
   }
 
-  [[nodiscard]] bool second_is_good(const Ritz& ritz) const {
-    const Index k = ritz.eigenvalues().size();
+  [[nodiscard]] bool second_is_good(const RitzPairs& ritz) const {
+    const Index k = ritz.values.size();
     if (k < 2) return false;
     const Index at = k - second_place(ritz);
-    return std::abs(ritz.eigenvectors()(k - 1, at)) * basis_.f_norm() <= next_tolerance * ritz.eigenvalues()[at];
+    return std::abs(ritz.vectors(k - 1, at)) * basis_.f_norm() <= next_tolerance * ritz.values[at];
   }
 
   Problem& problem_;

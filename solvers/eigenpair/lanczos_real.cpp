@@ -59,20 +59,20 @@ class Iterated {
 
   explicit Iterated(const RealPencil& pencil) : pencil_(pencil), Su_(pencil.rows), Mu_(pencil.rows) {}
 
-  [[nodiscard]] double estimate(const Recurrence& basis, const Ritz& ritz) const {
-    const Index k = ritz.eigenvalues().size();
-    const double theta = ritz.eigenvalues()[k - 1];
+  [[nodiscard]] double estimate(const Recurrence& basis, const RitzPairs& ritz) const {
+    const Index k = ritz.values.size();
+    const double theta = ritz.values[k - 1];
     Vector Sf(pencil_.rows), Mf(pencil_.rows);
     pencil_.S(basis.vector_f().data(), Sf.data());
     pencil_.M(basis.vector_f().data(), Mf.data());
     const double uniform = 2 * pencil_.scale / static_cast<double>(pencil_.rows);
     const double scale = std::max(1 / theta, 1.0) / pencil_.scale;
-    return (Sf - pencil_.shift * Mf).norm() * std::abs(ritz.eigenvectors()(k - 1, k - 1)) / (theta * scale * uniform);
+    return (Sf - pencil_.shift * Mf).norm() * std::abs(ritz.vectors(k - 1, k - 1)) / (theta * scale * uniform);
   }
 
-  void form(const Recurrence& basis, const Ritz& ritz) {
-    const Index k = ritz.eigenvalues().size();
-    u.noalias() = basis.matrix_V().leftCols(k) * ritz.eigenvectors().col(k - 1);
+  void form(const Recurrence& basis, const RitzPairs& ritz) {
+    const Index k = ritz.values.size();
+    u.noalias() = basis.matrix_V().leftCols(k) * ritz.vectors.col(k - 1);
   }
 
   double check() {
@@ -106,9 +106,9 @@ RealPair smallest_lanczos_real(const RealPencil& pencil, const EigenOptions& opt
   const ComplexVector start = start_vector((pencil.rows + 1) / 2, options.seed);
   Iterated pair(pencil);
   LanczosLoop loop(pair, basis, options);
-  const Ritz ritz = loop.run({reinterpret_cast<const double*>(start.data()), pencil.rows}, size);
-  const Index k = ritz.eigenvalues().size();
-  const double second = ritz.eigenvalues()[k < 2 ? k - 1 : k - second_place(ritz)];
+  const RitzPairs ritz = loop.run({reinterpret_cast<const double*>(start.data()), pencil.rows}, size);
+  const Index k = ritz.values.size();
+  const double second = ritz.values[k < 2 ? k - 1 : k - second_place(ritz)];
   EigenReport report;
   report.solver = "real shift-invert Lanczos, " + pencil.name;
   report.iterations = loop.solves();
@@ -123,14 +123,14 @@ RealPair smallest_lanczos_real(const RealPencil& pencil, const EigenOptions& opt
 RealPair smallest_dense_real(const SparseMatrix<double>& S, const SparseMatrix<double>& M, double scale,
                              const EigenOptions& options) {
   using Dense = MatrixX<double>;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> solver{Dense(S), Dense(M)};
-  if (solver.info() != Eigen::Success) throw SolveError("the mass matrix is not positive definite");
+  const auto pairs = generalised_eigenpairs<double>(Dense(S), Dense(M));
+  if (!pairs) throw SolveError("the mass matrix is not positive definite");
   RealPair result;
-  result.u = solver.eigenvectors().col(0);
+  result.u = pairs->vectors.col(0);
   EigenReport& report = result.report;
   report.solver = "dense";
-  report.lambda = solver.eigenvalues()[0];
-  report.next = solver.eigenvalues()[std::min<Index>(1, S.rows() - 1)];
+  report.lambda = pairs->values[0];
+  report.next = pairs->values[std::min<Index>(1, S.rows() - 1)];
   const Vector Mu = M * result.u;
   report.residual = (S * result.u - report.lambda * Mu).norm() / (std::max(report.lambda, 1 / scale) * Mu.norm());
   report.converged = report.residual <= options.tolerance;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "solvers/eigenpair/problem.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/linear/backends.h"
 #include "src/base/parallel.h"
 #include "src/base/random.h"
@@ -97,18 +97,11 @@ std::vector<double> ritz_values(const EigenProblem& problem, const MatrixX<std::
     for (Eigen::Index c = 0; c < Y.cols(); ++c) hermitian_product(A, Y.col(c).data(), product.col(c).data());
     return Dense(Y.adjoint() * product);
   };
-  const Dense gram = projected(problem.M);
-  const Eigen::SelfAdjointEigenSolver<Dense> basis(gram);
   // A direction with this little of the whole is a copy plus rounding: Ritz vectors are orthonormal to about 1e-8.
   constexpr double dependent = 1e-6;
-  const Eigen::Index first =
-      (basis.eigenvalues().array() < dependent * basis.eigenvalues()[Y.cols() - 1]).cast<Eigen::Index>().sum();
-  const Eigen::Index rank = Y.cols() - first;
-  const Dense W =
-      basis.eigenvectors().rightCols(rank) * basis.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Dense> ritz(Dense(W.adjoint() * projected(problem.S) * W),
-                                                  Eigen::EigenvaluesOnly);
-  return {ritz.eigenvalues().begin(), ritz.eigenvalues().end()};
+  const Dense W = orthonormal_basis(projected(problem.M), dependent);
+  const VectorX<double> values = hermitian_eigenvalues(W.adjoint() * projected(problem.S) * W);
+  return {values.begin(), values.end()};
 }
 
 HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma) {
@@ -146,14 +139,12 @@ ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& opti
 
 EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options) {
   using Dense = MatrixX<std::complex<double>>;
-  const Dense S(problem.S);
-  const Dense M(problem.M);
-  if (M.llt().info() != Eigen::Success) throw SolveError("the mass matrix is not positive definite");
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> solver(S, M);
+  const auto pairs = generalised_eigenpairs<std::complex<double>>(Dense(problem.S), Dense(problem.M));
+  if (!pairs) throw SolveError("the mass matrix is not positive definite");
   EigenResult result;
   result.report.solver = "dense";
-  result.u = solver.eigenvectors().col(0);
-  result.report.next = solver.eigenvalues()[std::min<Eigen::Index>(1, S.rows() - 1)];
+  result.u = pairs->vectors.col(0);
+  result.report.next = pairs->values[std::min<Eigen::Index>(1, problem.S.rows() - 1)];
   conclude(problem, options, result);
   return result;
 }

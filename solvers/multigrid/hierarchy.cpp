@@ -3,11 +3,11 @@
 // hierarchy.cpp: from a matrix to all its levels.
 #include "solvers/multigrid/hierarchy.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/linear/backends.h"
 
 namespace alcap::detail {
@@ -224,9 +224,8 @@ void Hierarchy::invert_coarsest() {
       A(i, level.off.column[e]) = level.off.value[e];
   // Single precision may have made a nearly singular operator a little indefinite: lift it as much as needed.
   for (double lift = 1e-7;; lift *= 10) {
-    const Eigen::LLT<MatrixX<std::complex<double>>> llt(A);
-    if (llt.info() == Eigen::Success) {
-      const MatrixX<std::complex<double>> inverse = llt.solve(MatrixX<std::complex<double>>::Identity(n, n));
+    if (const auto found = hermitian_inverse(A)) {
+      const MatrixX<std::complex<double>>& inverse = *found;
       coarsest_inverse_ = Buffer<ComplexF>(std::int64_t{n} * n);
       for (Index i = 0; i < n; ++i)
         for (Index j = 0; j < n; ++j) {
