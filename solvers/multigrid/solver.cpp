@@ -35,7 +35,10 @@ class Multigrid final : public LinearSolver<complex<double>> {
  public:
   explicit Multigrid(const SolverOptions& options) : options_(options) {}
 
-  void set_transport(const Hermitian& T) override { transport_ = T; }
+  void set_transport(const Hermitian& T) override {
+    transport_ = T;
+    transport_.makeCompressed();
+  }
 
   void analyse(const Hermitian& A) override {
     require_square(A);
@@ -55,12 +58,10 @@ class Multigrid final : public LinearSolver<complex<double>> {
     try {
       A_ = A;
       A_.makeCompressed();
-      const bool fits = transport_.rows() == rows_ && transport_.isCompressed() &&
-                        transport_.nonZeros() == A_.nonZeros() &&
-                        std::equal(A_.innerIndexPtr(), A_.innerIndexPtr() + A_.nonZeros(), transport_.innerIndexPtr());
-      if (transport_.rows() != 0 && !fits)
+      const bool given = transport_.rows() != 0;
+      if (given && !same_pattern(A_, transport_))
         throw SolveError("multigrid: the transport has another pattern than the matrix");
-      hierarchy_.build({.S = A_}, fits ? &transport_ : nullptr, options_.cancel);
+      hierarchy_.build({.S = A_}, given ? &transport_ : nullptr, options_.cancel);
     } catch (const std::bad_alloc&) {
       throw SolveError("multigrid: out of memory");
     }
@@ -169,7 +170,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   const LinearSolver<complex<double>>& factorised() const {
     const std::lock_guard<std::mutex> lock(*direct_lock_);
     if (!direct_) {
-      auto direct = make_linear_solver<complex<double>>({.name = linear_solvers().front(), .cancel = options_.cancel});
+      auto direct = make_linear_solver<complex<double>>({.name = preferred_factorisation(), .cancel = options_.cancel});
       direct->analyse(A_);
       direct->factorise(A_);
       direct_ = std::move(direct);
@@ -200,41 +201,8 @@ class Multigrid final : public LinearSolver<complex<double>> {
   mutable std::unique_ptr<LinearSolver<complex<double>>> direct_;
 };
 
-/// Real symmetric systems as complex ones with zero imaginary part.
-class RealMultigrid final : public LinearSolver<double> {
- public:
-  explicit RealMultigrid(const SolverOptions& options) : solver_(options) {}
-  void set_transport(const SparseMatrix<double>& T) override { solver_.set_transport(T.cast<complex<double>>()); }
-  void analyse(const SparseMatrix<double>& A) override {
-    guarded("multigrid", [&] { solver_.analyse(A.cast<complex<double>>()); });
-  }
-  void factorise(const SparseMatrix<double>& A) override {
-    guarded("multigrid", [&] { solver_.factorise(A.cast<complex<double>>()); });
-  }
-  SolveReport solve(const Eigen::Ref<const MatrixX<double>>& B, Eigen::Ref<MatrixX<double>> X) const override {
-    SolveReport report;
-    guarded("multigrid solve", [&] {
-      MatrixX<complex<double>> x(X.rows(), X.cols());
-      report = solver_.solve(B.cast<complex<double>>(), x);
-      X = x.real();
-    });
-    return report;
-  }
-  [[nodiscard]] std::string name() const override { return solver_.name(); }
-
- private:
-  Multigrid solver_;
-};
-
 }  // namespace
 
-template <>
-SolverPtr<double> make_multigrid<double>(const SolverOptions& options) {
-  return std::make_unique<RealMultigrid>(options);
-}
-template <>
-SolverPtr<complex<double>> make_multigrid<complex<double>>(const SolverOptions& options) {
-  return std::make_unique<Multigrid>(options);
-}
+SolverPtr<complex<double>> make_multigrid(const SolverOptions& options) { return std::make_unique<Multigrid>(options); }
 
 }  // namespace alcap::detail

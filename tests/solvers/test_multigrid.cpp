@@ -181,6 +181,28 @@ TEST_CASE("what it cannot do is said") {
   CHECK_THROWS_AS(other->factorise(A), SolveError);
 }
 
+TEST_CASE("a transport fits when its entries are at the places of the matrix, compressed or not") {
+  const auto with = [](const std::vector<Eigen::Triplet<Z, Index>>& entries) {
+    Hermitian T(4, 4);
+    T.setFromTriplets(entries.begin(), entries.end());
+    return T;
+  };
+  const Hermitian A = with({{0, 0, 2}, {1, 0, -1}, {0, 1, -1}, {1, 1, 2}, {2, 2, 2}, {3, 3, 2}});
+  // The same rows one after another, but in other columns.
+  const Hermitian other = with({{0, 0, 2}, {1, 0, 1}, {0, 1, 1}, {1, 2, 1}, {2, 2, 1}, {3, 3, 1}});
+  REQUIRE(std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), other.innerIndexPtr()));
+  const auto factorise = [&](const Hermitian& transport) {
+    const auto solver = make_linear_solver<Z>({.name = "multigrid"});
+    solver->set_transport(transport);
+    solver->analyse(A);
+    solver->factorise(A);
+  };
+  CHECK_THROWS_AS(factorise(other), SolveError);
+  Hermitian same = A;
+  same.uncompress();
+  CHECK_NOTHROW(factorise(same));
+}
+
 TEST_CASE("needles and slivers: the smoother's bound holds for the worst of them") {
   for (const int n : {1, 4}) {
     CAPTURE(n);

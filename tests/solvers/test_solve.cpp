@@ -411,6 +411,30 @@ TEST_CASE("residual of a wrong solution is what it is") {
   CHECK(residual<Z>(A, X, B) == doctest::Approx(std::sqrt(2.0)));
 }
 
+TEST_CASE("S and M of different patterns with as many entries") {
+  // Neighbours in S, next but one in M: every column has three entries.
+  const Index N = 60;
+  const Hermitian S = ring(N, 1, 3);
+  Builder b(N);
+  for (Index i = 0; i < N; ++i) {
+    b.add(i, i, 1);
+    b.add(i, (i + 2) % N, 0.1);
+    b.add((i + 2) % N, i, 0.1);
+  }
+  const Hermitian M = b.matrix();
+  REQUIRE(M.nonZeros() == S.nonZeros());
+  const double lambda = dense_spectrum(S, M)[0];
+  for (const std::string& solver : linear_solvers()) {
+    for (const char* method : {"lanczos", "inverse-iteration", "lobpcg"}) {
+      CAPTURE(solver);
+      CAPTURE(method);
+      const EigenResult r = smallest_eigenpair(S, M, N * N, {.solver = solver, .method = method});
+      CHECK(r.report.converged);
+      CHECK(std::abs(r.report.lambda - lambda) <= 1e-8);
+    }
+  }
+}
+
 TEST_CASE("ring with flux: the known spectrum, for every method and backend") {
   for (const Index N : {1, 2, 3, 7, 60, 500}) {
     for (const double flux : {0.0, 1.0, pi<double>}) {
