@@ -4,7 +4,6 @@
 // Laplacians of graphs, made here.
 #include <doctest/doctest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <complex>
 #include <string>
@@ -111,10 +110,6 @@ Dense solve(const std::string& name, const Hermitian& A, const Dense& B) {
   Dense X(B.rows(), B.cols());
   CHECK(solver->solve(B, X).converged);
   return X;
-}
-
-VectorX<double> dense_spectrum(const Hermitian& S, const Hermitian& M) {
-  return Eigen::GeneralizedSelfAdjointEigenSolver<Dense>(Dense(S), Dense(M), Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 }  // namespace
