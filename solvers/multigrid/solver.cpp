@@ -11,6 +11,7 @@
 #include <string>
 
 #include "solvers/linear/backends.h"
+#include "solvers/linear/stages.h"
 #include "solvers/multigrid/hierarchy.h"
 #include "src/base/parallel.h"
 
@@ -33,7 +34,7 @@ constexpr double least_progress = 0.5;
 
 class Multigrid final : public LinearSolver<complex<double>> {
  public:
-  explicit Multigrid(const SolverOptions& options) : options_(options) {}
+  explicit Multigrid(const SolverOptions& options) : options_(options), stages_(own_name, options.cancel) {}
 
   void set_transport(const Hermitian& T) override {
     transport_ = T;
@@ -41,19 +42,12 @@ class Multigrid final : public LinearSolver<complex<double>> {
   }
 
   void analyse(const Hermitian& A) override {
-    require_square(A);
-    rows_ = A.rows();
-    nonzeros_ = A.nonZeros();
-    ready_ = false;
+    stages_.begin_analysis(A);
+    stages_.analysed(A);
   }
 
   void factorise(const Hermitian& A) override {
-    const Timer timer;
-    if (rows_ == 0) throw SolveError("multigrid: factorise() before analyse()");
-    if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
-      throw SolveError("multigrid: the matrix has another pattern than the one analysed");
-    }
-    ready_ = false;
+    stages_.begin_factorisation(A);
     direct_.reset();
     try {
       A_ = A;
@@ -65,18 +59,13 @@ class Multigrid final : public LinearSolver<complex<double>> {
     } catch (const std::bad_alloc&) {
       throw SolveError("multigrid: out of memory");
     }
-    ready_ = true;
-    report_.factorise_seconds = timer.seconds();
-    report_.factor_nonzeros = hierarchy_.nonzeros();
+    stages_.factorised(hierarchy_.nonzeros());
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<complex<double>>>& B,
                     Eigen::Ref<MatrixX<complex<double>>> X) const override {
     const Timer timer;
-    if (!ready_) throw SolveError("multigrid: solve() before factorise()");
-    require_sizes(B, X, rows_);
-    SolveReport report = report_;
-    report.solver = own_name;
+    SolveReport report = stages_.begin_solve<complex<double>>(B, X, own_name);
     guarded("multigrid solve", [&] { columns(B, X, report); });
     report.converged = report.residual <= options_.tolerance;
     report.solve_seconds = timer.seconds();
@@ -97,9 +86,9 @@ class Multigrid final : public LinearSolver<complex<double>> {
     for (Eigen::Index c = 0; c < B.cols(); ++c) {
       Vector x;
       auto [iterations, relative] = conjugate_gradients(B.col(c), x, workspace);
-      if (relative > options_.tolerance && iterations < options_.max_iterations && rows_ <= factorisable_rows) {
+      if (relative > options_.tolerance && iterations < options_.max_iterations && A_.rows() <= factorisable_rows) {
         const LinearSolver<complex<double>>& direct = factorised();
-        MatrixX<complex<double>> column(rows_, 1);
+        MatrixX<complex<double>> column(A_.rows(), 1);
         (void)direct.solve(B.col(c), column);
         x = column.col(0);
         relative = residual_of(x, B.col(c));
@@ -117,7 +106,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   };
 
   Outcome conjugate_gradients(const Eigen::Ref<const Vector>& b, Vector& x, Hierarchy::Workspace& workspace) const {
-    const Eigen::Index n = rows_;
+    const Eigen::Index n = A_.rows();
     x.setZero(n);
     Vector r = b;
     const double norm_b = std::sqrt(dot(r, r));
@@ -184,19 +173,16 @@ class Multigrid final : public LinearSolver<complex<double>> {
     auto* b = reinterpret_cast<ComplexF*>(w.b[0].data());
     const auto* x = reinterpret_cast<const ComplexF*>(w.x[0].data());
     const float* const near = hierarchy_.levels()[0].near.data();
-    parallel_for(rows_, [&](std::int64_t i) { b[i] = ComplexF(r[i] * (unit / double{near[i]})); });
+    parallel_for(A_.rows(), [&](std::int64_t i) { b[i] = ComplexF(r[i] * (unit / double{near[i]})); });
     hierarchy_.cycle<1>(w);
-    parallel_for(rows_, [&](std::int64_t i) { z[i] = size / double{near[i]} * complex<double>(x[i]); });
+    parallel_for(A_.rows(), [&](std::int64_t i) { z[i] = size / double{near[i]} * complex<double>(x[i]); });
   }
 
   SolverOptions options_;
-  Eigen::Index rows_ = 0;
-  Eigen::Index nonzeros_ = 0;
+  Stages stages_;
   Hermitian A_;
   Hermitian transport_;
   Hierarchy hierarchy_;
-  bool ready_ = false;
-  SolveReport report_;  // times of factorise()
   std::unique_ptr<std::mutex> direct_lock_ = std::make_unique<std::mutex>();
   mutable std::unique_ptr<LinearSolver<complex<double>>> direct_;
 };

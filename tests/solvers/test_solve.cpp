@@ -257,6 +257,29 @@ TEST_CASE("conjugate gradients: what they cannot do is said, and so is what they
   CHECK(refused);
 }
 
+TEST_CASE("a matrix of another pattern than the one analysed is refused, also with as many entries") {
+  const Index N = 30;
+  const Hermitian A = ring(N, 1, 3) + identity(N, 0.1);
+  Builder b(N);
+  for (Index i = 0; i < N; ++i) b.edge(i, (i + 2) % N, 1, 0);
+  const Hermitian other = b.matrix() + identity(N, 0.1);
+  REQUIRE(other.nonZeros() == A.nonZeros());
+  for (const std::string& name : linear_solvers()) {
+    CAPTURE(name);
+    const auto solver = make_linear_solver<Z>({.name = name});
+    solver->analyse(A);
+    CHECK_THROWS_AS(solver->factorise(other), SolveError);
+    solver->factorise(A);
+    const Dense B = random_dense(N, 1, 1);
+    Dense X(N, 1);
+    CHECK(solver->solve(B, X).converged);
+    CHECK(residual<Z>(A, X, B) <= 1e-9);
+    Hermitian loose = A;
+    loose.uncompress();
+    CHECK_NOTHROW(solver->factorise(loose));
+  }
+}
+
 TEST_CASE("unknown names are refused with the list of known ones") {
   for (const std::string& name : linear_solvers()) {
     CAPTURE(name);
