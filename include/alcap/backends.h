@@ -78,8 +78,8 @@ template <class Scalar>
 using LinearSolverFactory = std::function<std::unique_ptr<LinearSolver<Scalar>>(const SolverOptions&)>;
 
 /// Registers a linear backend. `complex` makes its solvers of Hermitian systems (fields and designs); `real` those of
-/// real symmetric ones (cones, trivial and global connections). Without `real` these are solved as complex systems, at
-/// two to three times the cost. Throws OptionError for a name that is empty, has blanks, is "auto" or is taken, and
+/// real symmetric ones (cones, trivial and global connections). Without `real` these are solved as complex systems, in
+/// twice the memory. Throws OptionError for a name that is empty, has blanks, is "auto" or is taken, and
 /// when `complex` is empty.
 BackendRegistration register_linear_solver(std::string name, LinearSolverFactory<std::complex<double>> complex,
                                            LinearSolverFactory<double> real = {});

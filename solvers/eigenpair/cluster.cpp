@@ -61,7 +61,7 @@ class Cluster {
   static constexpr int most_rounds = 4;
   /// Of the tolerance, apart from mates: the rest is for what mates leave.
   static constexpr double enough_outside = 0.3;
-  /// Members whose part apart from the others is smaller than this, squared, are the same vector to single precision.
+  /// Members that differ by less than 1e-5 of their length, of which this is the square, count as one.
   static constexpr double dependent = 1e-10;
 
   /// Column k of Y.
