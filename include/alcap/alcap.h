@@ -7,6 +7,7 @@
 #include "alcap/alignment.h"
 #include "alcap/arrays.h"
 #include "alcap/assembly.h"
+#include "alcap/backends.h"
 #include "alcap/batch.h"
 #include "alcap/cones.h"
 #include "alcap/connected_surface.h"

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // solve.h: sparse solvers behind one small interface. Matrices are Hermitian (complex) or symmetric (real) with both
-// triangles stored, positive definite unless said otherwise. Backends live in solvers/, one file and one line of
-// solvers/linear/registry.cpp each, and are chosen by name.
+// triangles stored, positive definite unless said otherwise. Backends live in solvers/, or are registered by the user
+// (backends.h), and are chosen by name.
 //
 //   auto solver = alcap::make_linear_solver<std::complex<double>>({.name = "cholmod"});
 //   solver->analyse(A);                 // pattern only: reuse for any values
@@ -91,7 +91,7 @@ class LinearSolver {
 template <class Scalar>
 [[nodiscard]] std::unique_ptr<LinearSolver<Scalar>> make_linear_solver(const SolverOptions& options = {});
 
-/// Names of the linear backends compiled in.
+/// Names of the linear backends: those compiled in, then those registered (backends.h).
 [[nodiscard]] std::vector<std::string> linear_solvers();
 
 /// max over columns of |A x - b| / |b|.
@@ -131,7 +131,7 @@ struct EigenResult {
   EigenReport report;
 };
 
-/// Names of the eigensolvers.
+/// Names of the eigensolvers: those of the library, then those registered (backends.h).
 [[nodiscard]] std::vector<std::string> eigen_solvers();
 
 /// Smallest eigenpair of S u = lambda M u, S Hermitian positive semidefinite, M Hermitian positive definite.

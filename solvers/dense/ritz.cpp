@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "solvers/dense/ritz.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+
+#include "solvers/dense/hermitian.h"
 
 namespace alcap::detail {
 namespace {
@@ -14,14 +15,8 @@ using Dense = MatrixX<std::complex<double>>;
 Dense orthonormal(const Dense& M, double dependent) {
   // A basis this well conditioned needs no eigenvectors to lose nothing, which take five times as long.
   constexpr double well_conditioned = 1e-4;
-  const Eigen::LLT<Dense> llt(M);
-  if (llt.info() == Eigen::Success && llt.rcond() > well_conditioned)
-    return llt.matrixU().solve(Dense::Identity(M.rows(), M.cols()));
-  const Eigen::SelfAdjointEigenSolver<Dense> basis(M);
-  const double largest = basis.eigenvalues()[M.rows() - 1];
-  const Eigen::Index first = (basis.eigenvalues().array() <= dependent * largest).cast<Eigen::Index>().sum();
-  const Eigen::Index rank = M.rows() - first;
-  return basis.eigenvectors().rightCols(rank) * basis.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+  if (std::optional<Dense> T = inverse_cholesky_factor(M, well_conditioned)) return *std::move(T);
+  return orthonormal_basis(M, dependent);
 }
 
 }  // namespace
@@ -34,10 +29,9 @@ Ritz rayleigh_ritz(const MatrixX<std::complex<double>>& S, const MatrixX<std::co
   const Dense unit = scale.asDiagonal() * M * scale.asDiagonal();
   const Dense T = scale.asDiagonal() * orthonormal(unit, dependent);
   const Dense H = T.adjoint() * S * T;
-  Eigen::SelfAdjointEigenSolver<Dense> projected;
-  projected.compute(H);
+  const Eigenpairs<std::complex<double>> projected = hermitian_eigenpairs<std::complex<double>>(H);
   count = std::min(count, T.cols());
-  return {projected.eigenvalues().head(count), T * projected.eigenvectors().leftCols(count)};
+  return {projected.values.head(count), T * projected.vectors.leftCols(count)};
 }
 
 }  // namespace alcap::detail

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// block_descent.h: the block phase on the finest level: block steepest descent for K vectors in single precision with
-// the matrices of the problem itself. A few steps, so the search directions of LOBPCG would not pay for their memory.
-// Internal to solvers/.
+// block_descent.h: the block phase on the finest level: preconditioned block steepest descent (Knyazev 2001, section 4)
+// for K vectors in single precision with the matrices of the problem itself: the K lowest Ritz vectors of (X, W), with
+// W = T (S X - M X Theta). A few steps, so the search directions of LOBPCG would not pay for their memory. Internal to
+// solvers/.
 #pragma once
 
 #include "solvers/eigenpair/pencil.h"

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// block_lobpcg.h: block LOBPCG (Knyazev 2001) in single precision for K vectors, with the Gram matrices summed in
-// double. For the cascade from the coarsest level; the last digits are the work of the refinement in double. Internal
-// to solvers/.
+// block_lobpcg.h: block LOBPCG (Knyazev 2001, algorithm 5.1) in single precision for K vectors, with the Gram matrices
+// summed in double. For the cascade from the coarsest level; the last digits are the work of the refinement in double.
+// Internal to solvers/.
 //
-// Blocks lie as in mg_level.h. Gram matrices of the old vectors are known from the step before, so a step computes only
-// the products of the new directions W with everything.
+// A step takes the K lowest Ritz pairs of S u = lambda M u in the span of (X, W, P): X the vectors, W = T (S X - M X
+// Theta) the preconditioned residuals, P what the step before added to X:
+//   (X, W, P)^H S (X, W, P) C = (X, W, P)^H M (X, W, P) C Theta,   P := W C_W + P C_P,   X := X C_X + P.
+// Blocks lie as in multigrid/level.h. Gram matrices of X and P are known from the step before, so a step computes only
+// the products of W with everything.
 #pragma once
 
 #include <algorithm>
@@ -126,64 +129,20 @@ class BlockSolver {
       P_ = Block(X_.v.size());
     }
     // The residuals go where the products of W will be.
-    std::array<float, K> theta;
-    for (int k = 0; k < K; ++k) theta[static_cast<std::size_t>(k)] = static_cast<float>(values_[k]);
-    parallel_for(rows_, [&](std::int64_t i) {
-      const float* const s = X_.S.data() + 2 * K * i;
-      const float* const m = X_.M.data() + 2 * K * i;
-      float r[2 * K];
-      for (int k = 0; k < 2 * K; ++k) r[k] = s[k] - theta[static_cast<std::size_t>(k % K)] * m[k];
-      std::copy(r, r + 2 * K, W_.S.data() + 2 * K * i);
-    });
+    residuals(W_.S.data());
     preconditioner(W_.S.data(), W_.v.data());
     pencil_.template apply<K>(W_.v.data(), W_.S.data(), W_.M.data());
-    const float* w = W_.v.data();
-    Dense S = Dense::Zero(3 * K, 3 * K);
-    Dense M = Dense::Zero(3 * K, 3 * K);
-    const Eigen::Index size = have_p_ ? 3 * K : 2 * K;
-    if (have_p_) {
-      const auto g = grams<K, 6>(rows_, {{{X_.v.data(), W_.S.data()},
-                                          {X_.v.data(), W_.M.data()},
-                                          {w, W_.S.data()},
-                                          {w, W_.M.data()},
-                                          {P_.v.data(), W_.S.data()},
-                                          {P_.v.data(), W_.M.data()}}});
-      fill(S, Dense(values_.cast<std::complex<double>>().asDiagonal()), g[0], g[2]);
-      fill(M, Dense::Identity(K, K), g[1], g[3]);
-      set(S, 2, 1, g[4]);
-      set(M, 2, 1, g[5]);
-      set(S, 2, 0, PSX_);
-      set(M, 2, 0, PMX_);
-      S.template bottomRightCorner<K, K>() = PSP_;
-      M.template bottomRightCorner<K, K>() = PMP_;
-    } else {
-      const auto g = grams<K, 4>(
-          rows_, {{{X_.v.data(), W_.S.data()}, {X_.v.data(), W_.M.data()}, {w, W_.S.data()}, {w, W_.M.data()}}});
-      fill(S, Dense(values_.cast<std::complex<double>>().asDiagonal()), g[0], g[2]);
-      fill(M, Dense::Identity(K, K), g[1], g[3]);
-    }
-    const Dense s = S.topLeftCorner(size, size);
-    const Dense m = M.topLeftCorner(size, size);
-    const Ritz ritz = rayleigh_ritz(s, m, K, dependent);
+    const auto [S, M] = basis_products();
+    const Ritz ritz = rayleigh_ritz(S, M, K, dependent);
     if (ritz.values.size() < K || !ritz.coefficients.allFinite()) return;  // nothing new to be had
-    const Dense x = ritz.coefficients.topRows(K);
-    Dense p = ritz.coefficients;
-    p.topRows(K).setZero();
-    PSX_ = p.adjoint() * s * ritz.coefficients;
-    PMX_ = p.adjoint() * m * ritz.coefficients;
-    PSP_ = hermitian(p.adjoint() * s * p);
-    PMP_ = hermitian(p.adjoint() * m * p);
     values_ = ritz.values;
-    const Dense cw = p.middleRows(K, K);
-    const Dense cp = have_p_ ? Dense(p.bottomRows(K)) : Dense();
-    const Dense one = Dense::Identity(K, K);
-    const auto advance = [&](Buffer<float>& xs, const Buffer<float>& ws, Buffer<float>& ps) {
-      combine<K>(rows_, ws.data(), cw, have_p_ ? ps.data() : nullptr, cp, ps.data());
-      combine<K>(rows_, xs.data(), x, ps.data(), one, xs.data());
-    };
-    advance(X_.v, W_.v, P_.v);
-    advance(X_.S, W_.S, P_.S);
-    advance(X_.M, W_.M, P_.M);
+    Dense added = ritz.coefficients;  // (0; C_W; C_P)
+    added.topRows(K).setZero();
+    PSX_ = added.adjoint() * S * ritz.coefficients;
+    PMX_ = added.adjoint() * M * ritz.coefficients;
+    PSP_ = hermitian(added.adjoint() * S * added);
+    PMP_ = hermitian(added.adjoint() * M * added);
+    advance(ritz.coefficients);
     have_p_ = true;
   }
 
@@ -195,6 +154,59 @@ class BlockSolver {
  private:
   /// Parts of the basis that are this small beside the whole are rounding of single precision.
   static constexpr double dependent = 1e-6;
+
+  /// S X - M X Theta.
+  void residuals(float* out) const {
+    std::array<float, K> theta;
+    for (int k = 0; k < K; ++k) theta[static_cast<std::size_t>(k)] = static_cast<float>(values_[k]);
+    parallel_for(rows_, [&](std::int64_t i) {
+      const float* const s = X_.S.data() + 2 * K * i;
+      const float* const m = X_.M.data() + 2 * K * i;
+      float r[2 * K];
+      for (int k = 0; k < 2 * K; ++k) r[k] = s[k] - theta[static_cast<std::size_t>(k % K)] * m[k];
+      std::copy(r, r + 2 * K, out + 2 * K * i);
+    });
+  }
+
+  /// Gram matrices of (X, W, P), or of (X, W) in the first step, by S and by M.
+  [[nodiscard]] std::array<Dense, 2> basis_products() const {
+    using Pair = std::array<const float*, 2>;
+    const float *const x = X_.v.data(), *const w = W_.v.data(), *const p = P_.v.data();
+    const Pair xs{x, W_.S.data()}, xm{x, W_.M.data()}, ws{w, W_.S.data()}, wm{w, W_.M.data()};
+    const Dense theta = values_.cast<std::complex<double>>().asDiagonal();
+    const Eigen::Index size = have_p_ ? 3 * K : 2 * K;
+    Dense S(size, size), M(size, size);
+    if (!have_p_) {
+      const auto g = grams<K, 4>(rows_, {xs, xm, ws, wm});
+      fill(S, theta, g[0], g[2]);
+      fill(M, Dense::Identity(K, K), g[1], g[3]);
+      return {S, M};
+    }
+    const auto g = grams<K, 6>(rows_, {xs, xm, ws, wm, Pair{p, W_.S.data()}, Pair{p, W_.M.data()}});
+    fill(S, theta, g[0], g[2]);
+    fill(M, Dense::Identity(K, K), g[1], g[3]);
+    set(S, 2, 1, g[4]);
+    set(M, 2, 1, g[5]);
+    set(S, 2, 0, PSX_);
+    set(M, 2, 0, PMX_);
+    S.template bottomRightCorner<K, K>() = PSP_;
+    M.template bottomRightCorner<K, K>() = PMP_;
+    return {S, M};
+  }
+
+  /// P := W C_W + P C_P, X := X C_X + P, and the same for their products.
+  void advance(const Dense& C) {
+    const Dense c_x = C.topRows(K), c_w = C.middleRows(K, K);
+    const Dense c_p = have_p_ ? Dense(C.bottomRows(K)) : Dense();
+    const Dense one = Dense::Identity(K, K);
+    const auto combined = [&](Buffer<float>& x, const Buffer<float>& w, Buffer<float>& p) {
+      combine<K>(rows_, w.data(), c_w, have_p_ ? p.data() : nullptr, c_p, p.data());
+      combine<K>(rows_, x.data(), c_x, p.data(), one, x.data());
+    };
+    combined(X_.v, W_.v, P_.v);
+    combined(X_.S, W_.S, P_.S);
+    combined(X_.M, W_.M, P_.M);
+  }
 
   static Dense hermitian(const Dense& A) { return 0.5 * (A + A.adjoint()); }
 
@@ -217,7 +229,7 @@ class BlockSolver {
 
   const Pencil& pencil_;
   std::int64_t rows_;
-  Block X_, W_, P_;
+  Block X_, W_, P_;  // the vectors, the preconditioned residuals, what the last step added
   bool have_p_ = false;
   VectorX<double> values_;
   Dense PSX_, PMX_, PSP_, PMP_;  // Gram matrices P^H S X ... of the last step

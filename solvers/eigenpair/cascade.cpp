@@ -1,19 +1,24 @@
 // SPDX-License-Identifier: MIT
 //
-// cascade.cpp: smallest eigenpair by a cascade: block LOBPCG (Knyazev 2001) on every level of the multigrid hierarchy
-// of S - sigma M, coarsest first, a few steps each, with the cycle from that level as preconditioner; on the finest a
-// few steps with the problem's own matrices (lobpcg_finest.h), then one vector in double (lobpcg_refine.h). The other
-// vectors of the block stay in its basis, so that clusters of eigenvalues (round spheres have 2n + 1 equal ones) do not
-// slow it down; where members of a cluster lie too close for single precision they are refined too (lobpcg_cluster.h).
+// cascade.cpp: smallest eigenpair by a cascade through the multigrid hierarchy of S - sigma M, coarsest level first
+// (Knyazev and Neymeyr 2003):
+//   1. the lowest K eigenvectors of the coarsest level, densely or by LOBPCG from random vectors;
+//   2. on every level between a few steps of block LOBPCG (block_lobpcg.h, Knyazev 2001), preconditioned by the cycle
+//      from that level, starting from the prolonged vectors of the level before;
+//   3. on the finest a few steps of block descent with the problem's own matrices (block_descent.h);
+//   4. one vector in double (single_vector.h). The others of the block stay in its basis, so that clusters of
+//      eigenvalues (round spheres have 2n + 1 equal ones) do not slow it down; where members of a cluster lie too close
+//      for single precision they are refined too (cluster.h).
 //
 // Memory beyond the input: the hierarchy (about 160 bytes a row) and four blocks of K single precision vectors, or one
 // and three double ones and the members of a cluster, whatever is more.
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/eigenpair/block_descent.h"
 #include "solvers/eigenpair/cluster.h"
 #include "solvers/linear/backends.h"
@@ -53,6 +58,8 @@ constexpr double gap_of_4 = 1.3;
 constexpr double gap = 1.1;
 /// Refinement that needs more iterations than this would be slower than a factorisation.
 constexpr int refine_limit = 100;
+/// Widths of blocks, as vector instructions like them. A coarsest level needs that many rows.
+constexpr int narrow_block = 4, usual_block = 8, wide_block = 16;
 
 /// The level's vectors from those of the next coarser one, the first K of the C there.
 template <int K, int C>
@@ -75,8 +82,11 @@ Buffer<float> prolonged(const Level& level, const Buffer<float>& coarse) {
 
 class Cascade {
  public:
-  Cascade(const HermitianMatrix& S, const HermitianMatrix& M, bool transports, double area, const EigenOptions& options)
-      : pencil_{S, M}, options_(options) {
+  /// S and M have the same pattern. `transports`: the phases of M are the parallel transports.
+  Cascade(const EigenProblem& problem, bool transports, const EigenOptions& options)
+      : pencil_{problem.S, problem.M}, options_(options) {
+    const HermitianMatrix& S = problem.S;
+    const HermitianMatrix& M = problem.M;
     Buffer<double> mass(S.rows());
     parallel_for(S.rows(), [&](std::int64_t j) {
       double sum = 0;
@@ -86,11 +96,12 @@ class Cascade {
     });
     const double total = parallel_sum<double>(S.rows(), [&](std::int64_t j) { return mass[j]; });
     if (!(total > 0)) throw SolveError("the mass matrix is zero or not positive");
-    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / area}, transports ? &M : nullptr, options.cancel);
+    hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / problem.area}, transports ? &M : nullptr,
+                     options.cancel);
     pencil_.S_scale = 1 / hierarchy_.unit();
     pencil_.M_scale = static_cast<double>(S.rows()) / total;
     unit_ = pencil_.S_scale / pencil_.M_scale;
-    floor_ = unit_ / area;
+    floor_ = unit_ / problem.area;
     masses(mass);
   }
 
@@ -98,14 +109,14 @@ class Cascade {
   Refined run() {
     std::size_t l = hierarchy_.levels().size() - 1;
     const auto rows = [&] { return hierarchy_.levels()[l].rows(); };
-    // A coarsest level too small for the largest block is good for one of 8, which is nearly always enough.
-    if (l > 0 && rows() >= 8 && rows() < 16) {
-      Refined result = from_coarsest<8>(l);
+    // A coarsest level too small for the widest block is good for the usual one, which is nearly always enough.
+    if (l > 0 && rows() >= usual_block && rows() < wide_block) {
+      Refined result = from_coarsest<usual_block>(l);
       if (result.end != Refined::End::narrow) return result;
     }
-    while (l > 0 && rows() < 16) --l;
-    if (rows() >= 16) return from_coarsest<16>(l);
-    if (rows() >= 4) return from_coarsest<4>(l);
+    while (l > 0 && rows() < wide_block) --l;
+    if (rows() >= wide_block) return from_coarsest<wide_block>(l);
+    if (rows() >= narrow_block) return from_coarsest<narrow_block>(l);
     return {};
   }
 
@@ -140,9 +151,9 @@ class Cascade {
     shifted_ += sigma;
   }
 
-  /// The K lowest eigenvectors of a small level, all at once.
+  /// The K lowest eigenvectors of a small level, all at once: D^-1/2 times those of D^-1/2 A D^-1/2, D its masses.
   template <int K>
-  Buffer<float> directly(std::size_t l, VectorX<double>& values) const {
+  Buffer<float> densely(std::size_t l, VectorX<double>& values) const {
     const Level& level = hierarchy_.levels()[l];
     const Index n = level.rows();
     VectorX<double> root(n);
@@ -151,25 +162,26 @@ class Cascade {
     for (Index i = 0; i < n; ++i)
       for (std::int64_t e = level.off.start[i]; e < level.off.start[i + 1]; ++e)
         A(i, level.off.column[e]) = std::complex<double>(level.off.value[e]);
-    const Eigen::SelfAdjointEigenSolver<MatrixX<std::complex<double>>> solver(root.asDiagonal() * A *
-                                                                              root.asDiagonal());
-    values = solver.eigenvalues().head(K);
+    const Eigenpairs<std::complex<double>> pairs =
+        hermitian_eigenpairs<std::complex<double>>(root.asDiagonal() * A * root.asDiagonal());
+    values = pairs.values.head(K);
     Buffer<float> x(2 * K * std::int64_t{n});
     for (Index i = 0; i < n; ++i)
       for (int k = 0; k < K; ++k) {
-        const std::complex<double> z = root[i] * solver.eigenvectors()(i, k);
+        const std::complex<double> z = root[i] * pairs.vectors(i, k);
         x[2 * K * std::int64_t{i} + k] = static_cast<float>(z.real());
         x[2 * K * std::int64_t{i} + K + k] = static_cast<float>(z.imag());
       }
     return x;
   }
 
+  /// Step 1, on level l, the coarsest that is used. Then down from there with the first 4, 8 or 16 of its vectors.
   template <int K>
   Refined from_coarsest(std::size_t l) {
     VectorX<double> values;
     Buffer<float> x;
     if (hierarchy_.levels()[l].rows() <= direct_rows) {
-      x = directly<K>(l, values);
+      x = densely<K>(l, values);
     } else {
       Random random(options_.seed);
       x = Buffer<float>(2 * K * std::int64_t{hierarchy_.levels()[l].rows()});
@@ -179,14 +191,15 @@ class Cascade {
     if (values.size() < K) return {};
     if (l == 0) return finest<K>(std::move(x), values);
     // The coarsest level knows the spectrum roughly: a block that turns out too small is done again.
-    const auto enough = [&](int k) { return k < K && values[k] >= (k == 4 ? gap_of_4 : gap) * values[0]; };
+    const auto enough = [&](int k) { return k < K && values[k] >= (k == narrow_block ? gap_of_4 : gap) * values[0]; };
     Refined result = too_narrow();
-    if (K == 4 || enough(4)) result = down<4, K>(l, x, values);
-    if constexpr (K >= 8) {
-      if (result.end == Refined::End::narrow && (K == 8 || enough(8))) result = down<8, K>(l, x, values);
+    if (K == narrow_block || enough(narrow_block)) result = down<narrow_block, K>(l, x, values);
+    if constexpr (K >= usual_block) {
+      if (result.end == Refined::End::narrow && (K == usual_block || enough(usual_block)))
+        result = down<usual_block, K>(l, x, values);
     }
-    if constexpr (K >= 16) {
-      if (result.end == Refined::End::narrow) result = down<16, K>(l, x, values);
+    if constexpr (K >= wide_block) {
+      if (result.end == Refined::End::narrow) result = down<wide_block, K>(l, x, values);
     }
     return result;
   }
@@ -194,7 +207,7 @@ class Cascade {
   /// Whether a cluster may go on beyond a block that could be wider.
   template <int K>
   static bool narrow(const VectorX<double>& values) {
-    return K < 16 && values[K - 1] <= cluster * values[0];
+    return K < wide_block && values[K - 1] <= cluster * values[0];
   }
 
   static Refined too_narrow() {
@@ -203,6 +216,7 @@ class Cascade {
     return result;
   }
 
+  /// Step 2, with the first K of the C vectors of level l; then the finest level.
   template <int K, int C>
   Refined down(std::size_t l, const Buffer<float>& coarsest, VectorX<double> values) {
     Buffer<float> x = prolonged<K, C>(hierarchy_.levels()[l - 1], coarsest);
@@ -215,7 +229,7 @@ class Cascade {
     return finest<K>(std::move(x), values);
   }
 
-  /// A few steps of block LOBPCG.
+  /// A few steps of block LOBPCG, preconditioned by one cycle each.
   template <int K>
   Buffer<float> on_level(std::size_t l, Buffer<float> x, int steps, VectorX<double>& values) {
     const LevelPencil pencil{hierarchy_.levels()[l], masses_[l]};
@@ -233,11 +247,9 @@ class Cascade {
     return std::move(solver.vectors().v);
   }
 
+  /// Step 3: block descent until the smallest eigenvalues are told apart; how many steps it took.
   template <int K>
-  Refined finest(Buffer<float> x, const VectorX<double>& values) {
-    if (values.size() < K) return {};
-    shift(values[0]);
-    FinestBlock<K> block(pencil_, hierarchy_, std::move(x));
+  int descend(FinestBlock<K>& block) {
     int steps = 0;
     const int most = std::min(finest_steps, options_.max_iterations);
     for (bool settled = false; !settled && steps < most && block.values().size() == K; ++steps) {
@@ -245,11 +257,21 @@ class Cascade {
       const VectorX<double> before = block.values();
       if (!block.step()) break;
       const VectorX<double>& now = block.values();
-      // What is told apart here need not be in double (lobpcg_cluster.h).
+      // What is told apart here need not be in double (cluster.h).
       const Eigen::Index members = (now.array() <= close * now[0]).cast<Eigen::Index>().sum();
       const double change = (before - now).head(std::max<Eigen::Index>(2, members)).cwiseAbs().maxCoeff();
       settled = change <= (members > 1 ? close_settled : next_settled) * std::max(now[0], floor_);
     }
+    return steps;
+  }
+
+  /// Steps 3 and 4.
+  template <int K>
+  Refined finest(Buffer<float> x, const VectorX<double>& values) {
+    if (values.size() < K) return {};
+    shift(values[0]);
+    FinestBlock<K> block(pencil_, hierarchy_, std::move(x));
+    const int steps = descend<K>(block);
     if (block.values().size() < K) return {};
     if (narrow<K>(block.values())) return too_narrow();
     const RefineOptions refinement{.tolerance = options_.tolerance,
@@ -272,19 +294,11 @@ class Cascade {
   std::vector<Buffer<float>> masses_;
 };
 
-/// What the pencil needs: compressed, the same pattern.
-bool same_pattern(const HermitianMatrix& A, const HermitianMatrix& B) {
-  return A.isCompressed() && B.isCompressed() && A.nonZeros() == B.nonZeros() &&
-         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1, B.outerIndexPtr()) &&
-         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
-}
-
 /// The way out when the cascade does not arrive: a factorisation.
-EigenResult directly(const EigenProblem& problem, EigenOptions options, const std::string& why) {
-  if (options.solver == "auto" || options.solver == "multigrid") options.solver = linear_solvers().front();
-  // A basis of a Krylov space needs room.
-  constexpr Eigen::Index tiny = 48;
-  EigenResult result = problem.S.rows() <= tiny ? smallest_dense(problem, options) : smallest_lanczos(problem, options);
+EigenResult factorised(const EigenProblem& problem, EigenOptions options, const std::string& why) {
+  if (options.solver == "auto" || options.solver == "multigrid") options.solver = preferred_factorisation();
+  EigenResult result =
+      problem.S.rows() <= dense_eigen_rows ? smallest_dense(problem, options) : smallest_lanczos(problem, options);
   result.report.message = why + (why.empty() || result.report.message.empty() ? "" : "; ") + result.report.message;
   return result;
 }
@@ -292,9 +306,9 @@ EigenResult directly(const EigenProblem& problem, EigenOptions options, const st
 }  // namespace
 
 EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options) {
-  if (problem.S.rows() <= factorised_rows) return directly(problem, options, "");
+  if (problem.S.rows() <= factorised_rows) return factorised(problem, options, "");
   HermitianMatrix S, M;
-  const bool same = same_pattern(problem.S, problem.M);
+  const bool same = problem.transport != nullptr;
   if (!same) {
     S = problem.S + 0.0 * problem.M;
     M = 0.0 * problem.S + problem.M;
@@ -304,18 +318,18 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   Refined refined;
   double unit = 1;
   try {
-    Cascade cascade(same ? problem.S : S, same ? problem.M : M, same, problem.area, options);
+    Cascade cascade({.S = same ? problem.S : S, .M = same ? problem.M : M, .area = problem.area}, same, options);
     unit = cascade.unit();
     refined = cascade.run();
   } catch (const SolveError& e) {
     // Not positive somewhere: what exactly, the factorisation will say.
     if (problem.S.rows() > factorisable_rows) throw;
-    return directly(problem, options, std::string(e.what()) + ": factorised instead");
+    return factorised(problem, options, std::string(e.what()) + ": factorised instead");
   }
   if (refined.u.size() == 0 || refined.end == Refined::End::indefinite) {
     if (problem.S.rows() > factorisable_rows)
       throw SolveError("the problem is unfit for multigrid, and too large to be factorised unasked");
-    return directly(problem, options, "the problem is unfit for multigrid: factorised instead");
+    return factorised(problem, options, "the problem is unfit for multigrid: factorised instead");
   }
   EigenResult result;
   result.u = std::move(refined.u);
@@ -326,7 +340,7 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   if (result.report.converged || refined.iterations >= options.max_iterations) return result;
   const std::string why = "LOBPCG stopped at a residual of " + std::to_string(result.report.residual) + " after " +
                           std::to_string(refined.iterations) + " iterations: ";
-  if (problem.S.rows() <= factorisable_rows) return directly(problem, options, why + "factorised instead");
+  if (problem.S.rows() <= factorisable_rows) return factorised(problem, options, why + "factorised instead");
   result.report.message = why + "too large to be factorised instead";
   return result;
 }

@@ -61,6 +61,8 @@ class Cluster {
   static constexpr int most_rounds = 4;
   /// Of the tolerance, apart from mates: the rest is for what mates leave.
   static constexpr double enough_outside = 0.3;
+  /// Members that differ by less than 1e-5 of their length, of which this is the square, count as one.
+  static constexpr double dependent = 1e-10;
 
   /// Column k of Y.
   [[nodiscard]] ComplexVector column(int k) const {
@@ -101,8 +103,8 @@ class Cluster {
     return result;
   }
 
-  /// Members become the Ritz vectors of their space; false when they are dependent.
-  bool part_members() {
+  /// Z^H S Z and Z^H M Z of the members Z.
+  [[nodiscard]] std::array<Dense, 2> products_of_members() const {
     const auto count = static_cast<Eigen::Index>(members_.size());
     Dense S(count, count), M(count, count);
     constexpr std::size_t width = 4 * K;
@@ -127,7 +129,13 @@ class Cluster {
         M(l, k) = {sum[2], sum[3]};
       }
     }
-    constexpr double dependent = 1e-10;
+    return {S, M};
+  }
+
+  /// Members become the Ritz vectors of their space; false when they are dependent.
+  bool part_members() {
+    const auto count = static_cast<Eigen::Index>(members_.size());
+    const auto [S, M] = products_of_members();
     const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), count, dependent);
     if (ritz.values.size() < count || !ritz.coefficients.allFinite()) return false;
     parallel_for(rows_, [&](std::int64_t i) {

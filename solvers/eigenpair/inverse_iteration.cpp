@@ -6,6 +6,7 @@
 // reference that the other methods are held against; it needs 4 to 7 times as many solves as Lanczos.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "solvers/dense/ritz.h"
 #include "solvers/eigenpair/problem.h"
@@ -31,6 +32,8 @@ constexpr int steps_for_next = 10;
 /// Rounding is what is left when steps gain nothing more.
 constexpr double no_gain = 0.9;
 constexpr int patience = 3;
+/// Directions that carry less than this of the block are rounding of double precision.
+constexpr double dependent = 1e-14;
 
 class InverseIteration {
  public:
@@ -42,7 +45,7 @@ class InverseIteration {
     Dense Y;
     widen(Y, std::min(narrowest, rows_));
     ComplexVector Su, Mu;
-    double best = 1e300;
+    double best = std::numeric_limits<double>::infinity();
     double second = 0;
     int idle = 0;
     int steps_left = steps_for_next;
@@ -81,7 +84,8 @@ class InverseIteration {
     for (Index c = Y.cols() - count; c < Y.cols(); ++c) Y.col(c) = start_vector(rows_, options_.seed + seeds_++);
   }
 
-  /// Y <- (S - sigma M)^-1 M Y, then its Ritz vectors; the Ritz values, as many as the block has dimensions.
+  /// Y <- X = (S - sigma M)^-1 M Y, then its Ritz vectors X C, with X^H S X C = X^H M X C diag(values); the Ritz
+  /// values, as many as the block has dimensions.
   VectorX<double> step(Dense& Y) {
     Dense X(rows_, Y.cols());
     static_cast<void>(inverse_.solver->solve(times(problem_.M, Y), X));
@@ -89,7 +93,7 @@ class InverseIteration {
     for (Index c = 0; c < X.cols(); ++c) X.col(c).normalize();
     const Dense M = X.adjoint() * times(problem_.M, X);
     const Dense S = X.adjoint() * times(problem_.S, X);
-    const Ritz ritz = rayleigh_ritz(S, M, X.cols(), 1e-14);
+    const Ritz ritz = rayleigh_ritz(S, M, X.cols(), dependent);
     if (!(ritz.values.size() > 0) || !ritz.coefficients.allFinite()) throw SolveError("inverse iteration broke down");
     Y = X * ritz.coefficients;
     return ritz.values;
@@ -111,6 +115,7 @@ class InverseIteration {
 }  // namespace
 
 EigenResult smallest_inverse_iteration(const EigenProblem& problem, const EigenOptions& options) {
+  if (problem.S.rows() <= no_room) return smallest_dense(problem, options);
   return InverseIteration(problem, options).run();
 }
 

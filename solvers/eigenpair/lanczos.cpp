@@ -8,7 +8,6 @@
 // exact arithmetic (all inner products are real), so the doubled spectrum of the real view costs nothing; copies i u
 // that rounding brings in are removed by a complex Rayleigh-Ritz step.
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "solvers/eigenpair/lanczos_loop.h"
@@ -17,128 +16,86 @@
 namespace alcap::detail {
 namespace {
 
-using Eigen::Index;
 using std::complex;
 
-/// Op in units of the area, so that Spectra's absolute thresholds see numbers near 1.
-class ShiftInvert {
+const complex<double>* as_complex(const double* x) { return reinterpret_cast<const complex<double>*>(x); }
+complex<double>* as_complex(double* x) { return reinterpret_cast<complex<double>*>(x); }
+
+class ComplexProblem final : public LanczosProblem {
  public:
-  using Scalar = double;
-  ShiftInvert(const EigenProblem& problem, const LinearSolver<complex<double>>& solver)
-      : problem_(problem), solver_(solver), Mx_(problem.M.rows(), 1) {}
-  [[nodiscard]] Index rows() const { return 2 * problem_.M.rows(); }
-  void perform_op(const double* x, double* y) const {
-    hermitian_product(problem_.M, reinterpret_cast<const complex<double>*>(x), Mx_.data());
+  ComplexProblem(const EigenProblem& problem, const ShiftInverted& inverse, ComplexVector start)
+      : LanczosProblem(2 * problem.S.rows(), problem.area),
+        problem_(problem),
+        inverse_(inverse),
+        Mx_(problem.S.rows(), 1),
+        u_(std::move(start)) {}
+
+  void apply(const double* x, double* y) const override {
+    hermitian_product(problem_.M, as_complex(x), Mx_.data());
     Mx_ /= problem_.area;
-    Eigen::Map<MatrixX<complex<double>>> result(reinterpret_cast<complex<double>*>(y), Mx_.rows(), 1);
-    solver_.solve(Mx_, result);
+    Eigen::Map<MatrixX<complex<double>>> result(as_complex(y), Mx_.rows(), 1);
+    inverse_.solver->solve(Mx_, result);
   }
 
- private:
-  const EigenProblem& problem_;
-  const LinearSolver<complex<double>>& solver_;
-  mutable MatrixX<complex<double>> Mx_;
-};
+  void mass(const double* x, double* y) const override { hermitian_product(problem_.M, as_complex(x), as_complex(y)); }
 
-/// Inner product: M in units of its mean row sum.
-class Mass {
- public:
-  using Scalar = double;
-  explicit Mass(const EigenProblem& problem)
-      : M_(problem.M), scale_(static_cast<double>(problem.M.rows()) / problem.area) {}
-  [[nodiscard]] Index rows() const { return 2 * M_.rows(); }
-  void perform_op(const double* x, double* y) const {
-    hermitian_product(M_, reinterpret_cast<const complex<double>*>(x), reinterpret_cast<complex<double>*>(y));
-    Eigen::Map<VectorX<double>>(y, rows()) *= scale_;
+  [[nodiscard]] double shifted_norm(const double* x) const override {
+    ComplexVector Ax(u_.size());
+    hermitian_product(inverse_.A, as_complex(x), Ax.data());
+    return Ax.norm();
   }
 
- private:
-  const HermitianMatrix& M_;
-  double scale_;
-};
+  Eigen::Map<VectorX<double>> vector() override { return {reinterpret_cast<double*>(u_.data()), rows()}; }
 
-using Operators = Spectra::ArnoldiOp<double, ShiftInvert, Mass>;
+  double check() override { return check_pair(problem_, u_, Su_, Mu_).residual; }
 
-using Recurrence = LanczosRecurrence<Operators>;
-
-/// See lanczos_loop.h.
-class Iterated {
- public:
-  ComplexVector u;
-
-  Iterated(const EigenProblem& problem, const ShiftInverted& inverse)
-      : problem_(problem), inverse_(inverse), rows_(problem.S.rows()) {}
-
-  /// But for |M y|, for which the guess is that of a uniform vector.
-  [[nodiscard]] double estimate(const Recurrence& basis, const Ritz& ritz) const {
-    const Index k = ritz.eigenvalues().size();
-    const double theta = ritz.eigenvalues()[k - 1];
-    ComplexVector r(rows_);
-    hermitian_product(inverse_.A, reinterpret_cast<const complex<double>*>(basis.vector_f().data()), r.data());
-    // Basis vectors have y^H M y = area / rows: see Mass. Eigenvalues are theta = 1 / (area (lambda - sigma)).
-    const double uniform = problem_.area / static_cast<double>(rows_);
-    const double scale = std::max(1 / theta, 1.0) / problem_.area;
-    return r.norm() * std::abs(ritz.eigenvectors()(k - 1, k - 1)) / (theta * scale * uniform);
-  }
-
-  void form(const Recurrence& basis, const Ritz& ritz) {
-    const Index k = ritz.eigenvalues().size();
-    u.resize(rows_);
-    Eigen::Map<VectorX<double>>(reinterpret_cast<double*>(u.data()), 2 * rows_).noalias() =
-        basis.matrix_V().leftCols(k) * ritz.eigenvectors().col(k - 1);
-  }
-
-  double check() { return check_pair(problem_, u, Su_, Mu_).residual; }
-
-  /// With a refined solve: its error is that of the residual's own rounding.
-  void polish(Index& solves) {
-    MatrixX<complex<double>> x(rows_, 1);
+  /// u = A^-1 M u with one step of iterative refinement: the error left is that of the residual's own rounding.
+  int polish() override {
+    MatrixX<complex<double>> x(u_.size(), 1);
     MatrixX<complex<double>> r = Mu_;
     inverse_.solver->solve(r, x);
-    ComplexVector Ax(rows_);
+    ComplexVector Ax(u_.size());
     hermitian_product(inverse_.A, x.data(), Ax.data());
     r = Mu_ - Ax;
-    u = x;
+    u_ = x;
     inverse_.solver->solve(r, x);
-    u += x.col(0);
-    solves += 2;
+    u_ += x.col(0);
+    return 2;
   }
 
-  /// The second eigenvalue from the first few Ritz vectors, u and i u counted once.
-  [[nodiscard]] double second(const Recurrence& basis, const Ritz& ritz) const {
-    const Index k = ritz.eigenvalues().size();
-    const Index count = std::min<Index>(k, k < 2 ? 1 : second_place(ritz) + 2);
-    MatrixX<complex<double>> Y(rows_, count);
-    Eigen::Map<MatrixX<double>>(reinterpret_cast<double*>(Y.data()), 2 * rows_, count).noalias() =
-        basis.matrix_V().leftCols(k) * ritz.eigenvectors().rightCols(count);
-    const std::vector<double> values = ritz_values(problem_, Y);
-    return values[std::min<std::size_t>(1, values.size() - 1)];
-  }
+  [[nodiscard]] ComplexVector& u() { return u_; }
 
  private:
   const EigenProblem& problem_;
   const ShiftInverted& inverse_;
-  Index rows_;
-  ComplexVector Su_, Mu_;
+  mutable MatrixX<complex<double>> Mx_;
+  ComplexVector u_, Su_, Mu_;
 };
+
+/// The second eigenvalue from the first few Ritz vectors, u and i u counted once.
+double second_eigenvalue(const EigenProblem& problem, const LanczosLoop& loop) {
+  const Eigen::Index k = loop.ritz().values.size();
+  // Two beyond the second Ritz value, which may be a copy i u of the first.
+  const Eigen::Index count = std::min<Eigen::Index>(k, k < 2 ? 1 : loop.second_place() + 2);
+  MatrixX<complex<double>> Y(problem.S.rows(), count);
+  loop.ritz_vectors(count, reinterpret_cast<double*>(Y.data()));
+  const std::vector<double> values = ritz_values(problem, Y);
+  return values[std::min<std::size_t>(1, values.size() - 1)];
+}
 
 }  // namespace
 
 EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options) {
+  if (problem.S.rows() <= no_room) return smallest_dense(problem, options);
   const ShiftInverted inverse = shift_invert(problem, options);
-  const Index rows = problem.S.rows(), size = std::min<Index>(basis_size, 2 * rows - 1);
-  const ShiftInvert op(problem, *inverse.solver);
-  const Mass mass(problem);
-  Recurrence basis(Operators(op, mass), size);
-  Iterated pair(problem, inverse);
-  pair.u = start_vector(rows, options.seed);
-  static_cast<void>(pair.check());  // throws when M is not positive definite
-  const ComplexVector start = pair.u;
-  LanczosLoop loop(pair, basis, options);
-  const Ritz ritz = loop.run({reinterpret_cast<const double*>(start.data()), 2 * rows}, size);
+  ComplexProblem real_view(problem, inverse, start_vector(problem.S.rows(), options.seed));
+  static_cast<void>(real_view.check());  // throws when M is not positive definite
+  const VectorX<double> start = real_view.vector();
+  LanczosLoop loop(real_view, options);
+  loop.run(start.data());
   EigenResult result;
-  result.u = std::move(pair.u);
-  result.report.next = pair.second(basis, ritz);
+  result.u = std::move(real_view.u());
+  result.report.next = second_eigenvalue(problem, loop);
   result.report.iterations = loop.solves();
   result.report.solver = "shift-invert Lanczos, " + inverse.solver->name();
   conclude(problem, options, result);

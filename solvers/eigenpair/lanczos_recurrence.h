@@ -5,17 +5,12 @@
 #pragma once
 
 #include <Spectra/LinAlg/Lanczos.h>
-#include <Spectra/LinAlg/TridiagEigen.h>
+#include <Spectra/LinAlg/UpperHessenbergQR.h>
 #include <Spectra/MatOp/internal/ArnoldiOp.h>
 
 #include "alcap/conventions.h"
-#include "alcap/solve.h"
 
 namespace alcap::detail {
-
-/// Most basis vectors: 640 bytes a complex row, well below the factor's. After a restart the better half stays.
-inline constexpr Eigen::Index basis_size = 40;
-inline constexpr Eigen::Index kept = 16;
 
 /// `Operators` is a Spectra::ArnoldiOp: a symmetric positive operator in an inner product.
 template <class Operators>

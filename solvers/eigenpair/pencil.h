@@ -51,8 +51,8 @@ struct FinePencil {
         });
   }
 
-  /// Rows first ... first + count - 1 of S x and M x for K vectors, blocks as in mg_level.h. Sums are double: S x
-  /// cancels, to one part in V.
+  /// Rows first ... first + count - 1 of S x and M x for K vectors, blocks as in multigrid/level.h. Sums are double: S
+  /// x cancels, to one part in V.
   template <int K>
   void multiply(std::int64_t first, std::int64_t count, const float* x, float* Sx, float* Mx) const {
     block_kernels<K>().pencil(raw(), first, first + count, x, Sx, Mx);

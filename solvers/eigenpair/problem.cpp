@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "solvers/eigenpair/problem.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/linear/backends.h"
 #include "src/base/parallel.h"
 #include "src/base/random.h"
@@ -18,6 +19,9 @@ constexpr double relative_shift = 1e-3;
 /// When S is a little indefinite, the shift grows by this factor, this many times.
 constexpr double shift_growth = 100;
 constexpr int shift_attempts = 3;
+/// Of iterative backends: this part of the tolerance of the eigenvector, but nothing below what double precision gives.
+constexpr double inner_tolerance = 1e-2;
+constexpr double least_tolerance = 1e-13;
 
 }  // namespace
 
@@ -49,8 +53,8 @@ double rounding_floor(const EigenProblem& problem, const ComplexVector& u, doubl
   });
   ComplexVector Mu(u.size());
   hermitian_product(problem.M, u.data(), Mu.data());
-  // 8: a handful of rounded operations on each of these terms, in the product here and in the solves before.
-  constexpr double margin = 8 * 2.2204460492503131e-16;
+  // A handful of rounded operations on each of these terms, in the product here and in the solves before.
+  constexpr double margin = 8 * std::numeric_limits<double>::epsilon();
   return margin * std::sqrt(squares) / (std::max(lambda, 1 / problem.area) * Mu.norm());
 }
 
@@ -68,13 +72,14 @@ void conclude(const EigenProblem& problem, const EigenOptions& options, EigenRes
   const double floor = rounding_floor(problem, result.u, check.lambda);
   report.converged = check.residual <= floor;
   report.message = report.converged ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
-                                    : "the residual asked for was not reached";
+                                    : not_reached;
 }
 
 void fix_phase(ComplexVector& u) {
+  constexpr double as_large = 1e-6;  // entries that far apart, relatively, may change places between machines
   const double largest = u.cwiseAbs().maxCoeff();
   for (const std::complex<double>& z : u) {
-    if (std::abs(z) < (1 - 1e-6) * largest) continue;
+    if (std::abs(z) < (1 - as_large) * largest) continue;
     u *= std::conj(z) / std::abs(z);
     return;
   }
@@ -97,42 +102,32 @@ std::vector<double> ritz_values(const EigenProblem& problem, const MatrixX<std::
     for (Eigen::Index c = 0; c < Y.cols(); ++c) hermitian_product(A, Y.col(c).data(), product.col(c).data());
     return Dense(Y.adjoint() * product);
   };
-  const Dense gram = projected(problem.M);
-  const Eigen::SelfAdjointEigenSolver<Dense> basis(gram);
   // A direction with this little of the whole is a copy plus rounding: Ritz vectors are orthonormal to about 1e-8.
   constexpr double dependent = 1e-6;
-  const Eigen::Index first =
-      (basis.eigenvalues().array() < dependent * basis.eigenvalues()[Y.cols() - 1]).cast<Eigen::Index>().sum();
-  const Eigen::Index rank = Y.cols() - first;
-  const Dense W =
-      basis.eigenvectors().rightCols(rank) * basis.eigenvalues().tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Dense> ritz(Dense(W.adjoint() * projected(problem.S) * W),
-                                                  Eigen::EigenvaluesOnly);
-  return {ritz.eigenvalues().begin(), ritz.eigenvalues().end()};
+  const Dense W = orthonormal_basis(projected(problem.M), dependent);
+  const VectorX<double> values = hermitian_eigenvalues(W.adjoint() * projected(problem.S) * W);
+  return {values.begin(), values.end()};
 }
 
-HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma) {
-  const bool same_pattern = S.isCompressed() && M.isCompressed() && S.nonZeros() == M.nonZeros() &&
-                            std::equal(S.outerIndexPtr(), S.outerIndexPtr() + S.cols() + 1, M.outerIndexPtr()) &&
-                            std::equal(S.innerIndexPtr(), S.innerIndexPtr() + S.nonZeros(), M.innerIndexPtr());
-  if (!same_pattern) return S - sigma * M;
-  HermitianMatrix A = S;
+HermitianMatrix shifted(const EigenProblem& problem, double sigma) {
+  if (problem.transport == nullptr) return problem.S - sigma * problem.M;
+  // The same pattern: entry by entry.
+  HermitianMatrix A = problem.S;
   std::complex<double>* a = A.valuePtr();
-  const std::complex<double>* m = M.valuePtr();
+  const std::complex<double>* m = problem.M.valuePtr();
   parallel_for(A.nonZeros(), [=](std::int64_t k) { a[k] -= sigma * m[k]; });
   return A;
 }
 
 ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options) {
-  // Iterative backends: a hundredth of the outer tolerance, but nothing below what double precision gives.
-  const double inner = std::max(1e-2 * options.tolerance, 1e-13);
+  const double inner = std::max(inner_tolerance * options.tolerance, least_tolerance);
   ShiftInverted result;
   result.solver =
       make_linear_solver<std::complex<double>>({.name = options.solver, .tolerance = inner, .cancel = options.cancel});
-  if (problem.M.nonZeros() == problem.S.nonZeros()) result.solver->set_transport(problem.M);
+  if (problem.transport != nullptr) result.solver->set_transport(*problem.transport);
   result.sigma = -relative_shift / problem.area;
   for (int attempt = 1;; ++attempt) {
-    result.A = shifted(problem.S, problem.M, result.sigma);
+    result.A = shifted(problem, result.sigma);
     if (attempt == 1) result.solver->analyse(result.A);
     try {
       result.solver->factorise(result.A);
@@ -146,14 +141,12 @@ ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& opti
 
 EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options) {
   using Dense = MatrixX<std::complex<double>>;
-  const Dense S(problem.S);
-  const Dense M(problem.M);
-  if (M.llt().info() != Eigen::Success) throw SolveError("the mass matrix is not positive definite");
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> solver(S, M);
+  const auto pairs = generalised_eigenpairs<std::complex<double>>(Dense(problem.S), Dense(problem.M));
+  if (!pairs) throw SolveError("the mass matrix is not positive definite");
   EigenResult result;
   result.report.solver = "dense";
-  result.u = solver.eigenvectors().col(0);
-  result.report.next = solver.eigenvalues()[std::min<Eigen::Index>(1, S.rows() - 1)];
+  result.u = pairs->vectors.col(0);
+  result.report.next = pairs->values[std::min<Eigen::Index>(1, problem.S.rows() - 1)];
   conclude(problem, options, result);
   return result;
 }

@@ -7,19 +7,13 @@
 #include <memory>
 #include <vector>
 
+#include "alcap/backends.h"
 #include "alcap/solve.h"
 
 namespace alcap::detail {
 
 using HermitianMatrix = SparseMatrix<std::complex<double>>;
 using ComplexVector = ComplexVectorX<double>;
-
-/// S u = lambda M u and the scale 1/area of its eigenvalues.
-struct EigenProblem {
-  const HermitianMatrix& S;
-  const HermitianMatrix& M;
-  double area;
-};
 
 /// What a vector is worth as an eigenvector.
 struct PairCheck {
@@ -33,6 +27,9 @@ struct PairCheck {
 
 /// The residual below which rounding in S u and M u alone drowns everything: no solver can be asked for less.
 [[nodiscard]] double rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda);
+
+/// EigenReport::message where the tolerance was not reached.
+inline constexpr const char* not_reached = "the residual asked for was not reached";
 
 /// Fills `converged`, `lambda`, `residual` and `message` from a last check against the tolerance, fixes the phase.
 void conclude(const EigenProblem& problem, const EigenOptions& options, EigenResult& result);
@@ -49,7 +46,7 @@ void fix_phase(ComplexVector& u);
 [[nodiscard]] std::vector<double> ritz_values(const EigenProblem& problem, const MatrixX<std::complex<double>>& Y);
 
 /// S - sigma M.
-[[nodiscard]] HermitianMatrix shifted(const HermitianMatrix& S, const HermitianMatrix& M, double sigma);
+[[nodiscard]] HermitianMatrix shifted(const EigenProblem& problem, double sigma);
 
 /// A = S - sigma M, positive definite also when S is singular or a little indefinite, and its factorisation.
 struct ShiftInverted {
@@ -60,6 +57,12 @@ struct ShiftInverted {
 /// By the linear backend that the options name. Throws SolveError when S is clearly indefinite.
 [[nodiscard]] ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options);
 
+/// Up to here a dense solve is faster than one factorisation, and it has no special cases.
+inline constexpr Eigen::Index dense_eigen_rows = 48;
+/// Up to so many rows the Krylov methods leave the problem to the dense solver: a basis needs room.
+inline constexpr Eigen::Index no_room = 2;
+
+// The eigensolvers, each in its own file. Results are concluded.
 [[nodiscard]] EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options);

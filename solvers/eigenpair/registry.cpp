@@ -1,38 +1,34 @@
 // SPDX-License-Identifier: MIT
 //
 // registry.cpp: the table of eigensolvers, and the choice among them.
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <new>
 #include <string>
+#include <utility>
 
 #include "solvers/eigenpair/problem.h"
 #include "solvers/linear/backends.h"
+#include "solvers/linear/name_table.h"
 
 namespace alcap {
 namespace {
 
-struct EigenBackend {
-  const char* name;
-  EigenResult (*smallest)(const detail::EigenProblem&, const EigenOptions&);
-};
+/// One line per method. These conclude() by themselves.
+detail::NameTable<EigenSolver>& methods() {
+  static detail::NameTable<EigenSolver> table({
+      {"lanczos", detail::smallest_lanczos},
+      {"lobpcg", detail::smallest_lobpcg},
+      {"inverse-iteration", detail::smallest_inverse_iteration},
+      {"dense", detail::smallest_dense},
+  });
+  return table;
+}
 
-// One line per method.
-const auto methods = std::to_array<EigenBackend>({
-    {"lanczos", detail::smallest_lanczos},
-    {"lobpcg", detail::smallest_lobpcg},
-    {"inverse-iteration", detail::smallest_inverse_iteration},
-    {"dense", detail::smallest_dense},
-});
-
-/// Up to here a dense solve is faster than one factorisation, and it has no special cases.
-constexpr Eigen::Index dense_rows = 48;
 /// From here on the cascade beats the factorisation: at 1,000 rows in 0.4 to 0.7 of its time on tori and for
 /// n = 1, but in 1.4 times its time for nine-fold eigenvalues (round spheres, n = 4), where 1,600 rows break even.
 constexpr Eigen::Index multigrid_rows = 1000;
 
-void validate(const detail::EigenProblem& problem, const EigenOptions& options) {
+void validate(const EigenProblem& problem, const EigenOptions& options) {
   detail::require_square(problem.S);
   detail::require_square(problem.M);
   if (problem.S.rows() != problem.M.rows()) {
@@ -44,41 +40,60 @@ void validate(const detail::EigenProblem& problem, const EigenOptions& options) 
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
     throw OptionError("tolerance", std::to_string(options.tolerance), "must be in (0, 1)");
   }
-  detail::require_known("method", options.method, eigen_solvers());
-  detail::require_known("solver", options.solver, linear_solvers());
+  detail::require_linear_solver("solver", options.solver);
   if (options.max_iterations < 1) {
     throw OptionError("max_iterations", std::to_string(options.max_iterations), "must be at least 1");
   }
 }
 
-const EigenBackend& choose(const EigenOptions& options, Eigen::Index rows) {
-  std::string name = options.method;
-  if (name == "auto") {
-    // A linear backend asked for by name is meant to be used.
-    const bool cascade = rows >= multigrid_rows && options.solver == "auto";
-    name = rows <= dense_rows ? "dense" : cascade ? "lobpcg" : "lanczos";
+std::string choose(const EigenOptions& options, Eigen::Index rows) {
+  if (options.method != "auto") return options.method;
+  // A linear backend asked for by name is meant to be used.
+  const bool cascade = rows >= multigrid_rows && options.solver == "auto";
+  return rows <= detail::dense_eigen_rows ? "dense" : cascade ? "lobpcg" : "lanczos";
+}
+
+/// What an eigensolver from outside returned, made true: see alcap/backends.h.
+EigenResult concluded(const std::string& name, const EigenProblem& problem, const EigenOptions& options,
+                      EigenResult result) {
+  if (result.u.size() != problem.S.rows()) {
+    throw SolveError("the eigensolver '" + name + "' returned a vector of " + std::to_string(result.u.size()) +
+                     " entries for a problem of " + std::to_string(problem.S.rows()) + " rows");
   }
-  // A basis of a Krylov space needs room.
-  if (rows <= 2) return methods.back();
-  return *std::find_if(methods.begin(), methods.end(), [&](const EigenBackend& m) { return name == m.name; });
+  if (!result.u.allFinite() || !(result.u.squaredNorm() > 0)) {
+    throw SolveError("the eigensolver '" + name + "' returned a vector of zeros or of values that are not finite");
+  }
+  EigenReport& report = result.report;
+  if (report.solver.empty()) report.solver = name;
+  if (!std::isfinite(report.next)) report.next = 0;
+  const std::string said = std::exchange(report.message, "");
+  detail::conclude(problem, options, result);
+  report.message = said + (said.empty() || report.message.empty() ? "" : "; ") + report.message;
+  return result;
 }
 
 }  // namespace
 
-std::vector<std::string> eigen_solvers() {
-  std::vector<std::string> names;
-  for (const EigenBackend& m : methods) names.emplace_back(m.name);
-  return names;
+std::vector<std::string> eigen_solvers() { return methods().names(); }
+
+BackendRegistration register_eigen_solver(std::string name, EigenSolver solver) {
+  if (!solver) throw OptionError("solver", "none", "must be a function that solves eigenproblems");
+  return methods().add(name,
+                       [name, solver = std::move(solver)](const EigenProblem& problem, const EigenOptions& options) {
+                         return concluded(name, problem, options, solver(problem, options));
+                       });
 }
 
 EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S, const SparseMatrix<std::complex<double>>& M,
                                double area, const EigenOptions& options) {
   const detail::Timer timer;
-  const detail::EigenProblem problem{S, M, area};
+  const auto solve = methods().get("method", choose(options, S.rows()));
+  EigenProblem problem{.S = S, .M = M, .area = area};
   validate(problem, options);
+  if (detail::same_pattern(S, M)) problem.transport = &M;
   detail::check_cancelled(options.cancel);
   try {
-    EigenResult result = choose(options, S.rows()).smallest(problem, options);
+    EigenResult result = (*solve)(problem, options);
     result.report.seconds = timer.seconds();
     return result;
   } catch (const std::bad_alloc&) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
-// single_vector.cpp: LOBPCG for one vector on the finest level, in double with the consistent mass, preconditioned by a
-// multigrid cycle in float. The basis is x, the preconditioned residual w, the last step p, and the K neighbours that
-// the cascade found, so that a cluster does not slow it.
+// single_vector.cpp: LOBPCG (Knyazev 2001, algorithm 4.1) for one vector on the finest level, in double with the
+// consistent mass, preconditioned by a multigrid cycle T in float. A step minimises the Rayleigh quotient
+//   lambda(v) = v^H S v / v^H M v   over v in span {x, w, p, y_2 ... y_K},
+//   w = T r - x (x^H M T r) / (x^H M x),   r = S x - lambda M x,   p = the last step,
+// where y_k are the neighbours that the cascade found: with them in the basis a cluster does not slow it. The minimum
+// is the first Ritz vector of the basis (Rayleigh-Ritz), from the Gram matrices B^H S B and B^H M B of (x, w, p, y).
 //
 // Products with S and M are used where they are computed and never stored: a step reads the matrices twice, once for
 // the residual of x and once for w, which is less traffic than recurrences of products, and has no drift.
@@ -11,6 +14,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "solvers/linear/backends.h"
 
@@ -22,6 +26,26 @@ using Dense = MatrixX<complex<double>>;
 
 /// Positions in the basis; the neighbours follow.
 constexpr int at_x = 0, at_w = 1, at_p = 2, at_y = 3;
+
+/// Eigenvalues of single precision vectors are not told apart below this: an error of 6e-8 in high frequencies,
+/// squared, times their height.
+constexpr double rounding = 3e-7;
+/// As long as the residual is large everything helps.
+constexpr double large = 1e-2;
+/// No progress: no gain of 30 % in so many iterations. Where there are no mates, nothing but patience helps: the
+/// worst triangles of a large scan take some iterations each, in which the residual hardly falls.
+constexpr double progress = 0.7;
+constexpr int patience = 2, longest = 40;
+/// A residual of which less than this part lies outside its mates is a mixture of them.
+constexpr double mixture = 0.1;
+/// Directions that carry less than this of the basis are rounding of double precision.
+constexpr double dependent = 1e-13;
+/// Ritz values are equal when they differ by less than this part of the tolerance: a tenth of what is asked for. x has
+/// a part in their space worth following when it is longer than this.
+constexpr double equal_values = 0.1;
+constexpr double least_overlap = 0.1;
+/// Products of p with itself by differences have 10 digits left when p is not shorter than this beside x, squared.
+constexpr double long_enough = 1e-6;
 
 template <int K>
 class Refinement {
@@ -52,7 +76,8 @@ class Refinement {
 
   Refined run() {
     Refined result;
-    double best = 1e300;
+    constexpr double none = std::numeric_limits<double>::infinity();
+    double best = none;
     int since_best = 0;
     with_mates_ = !options_.member;
     for (;; ++result.iterations) {
@@ -68,15 +93,15 @@ class Refinement {
       if (result.end == Refined::End::indefinite || result.iterations >= options_.max_iterations) break;
       result.end = Refined::End::stalled;
       // What is left is a mixture of mates, which more iterations will not part.
-      if (outside < 0.1 * residual_ && residual_ < large) break;
-      const double progress = options_.member ? outside : residual_;
-      if (progress < 0.7 * best) {
-        best = progress;
+      if (outside < mixture * residual_ && residual_ < large) break;
+      const double left = options_.member ? outside : residual_;
+      if (left < progress * best) {
+        best = left;
         since_best = 0;
       } else if (++since_best >= (alone() ? longest : patience)) {
         if (!with_mates_ || alone()) break;
         with_mates_ = false;
-        best = 1e300;
+        best = none;
         since_best = 0;
         forget_p();
         choose_neighbours();
@@ -93,14 +118,7 @@ class Refinement {
   }
 
  private:
-  /// Eigenvalues of single precision vectors are not told apart below this: an error of 6e-8 in high frequencies,
-  /// squared, times their height.
-  static constexpr double rounding = 3e-7;
-  /// As long as the residual is large everything helps.
-  static constexpr double large = 1e-2;
-  /// No progress: no gain of 30 % in so many iterations. Where there are no mates, nothing but patience helps: the
-  /// worst triangles of a large scan take some iterations each, in which the residual hardly falls.
-  static constexpr int patience = 2, longest = 40;
+  /// Of the whole basis: x, w, p and K - 1 neighbours.
   static constexpr Eigen::Index size = K + 2;
 
   /// The residual, its norm, lambda, and the products of x with itself, p and its neighbours.
@@ -136,22 +154,24 @@ class Refinement {
     M_(at_x, at_x) = sums[3];
     set_products(at_p, at_x, sums.data() + 4);
     set_neighbours(at_x, sums.data() + 8);
-    if (p_used_) {
-      // p is the new x without its part of the old one. Anything else would carry the single precision of the products
-      // among neighbours into those of an ever shorter p.
-      for (int k = at_y; k < size; ++k) {
-        S_(at_p, k) = S_(at_x, k) - std::conj(old_part_) * old_S_(0, k);
-        M_(at_p, k) = M_(at_x, k) - std::conj(old_part_) * old_M_(0, k);
-        S_(k, at_p) = std::conj(S_(at_p, k));
-        M_(k, at_p) = std::conj(M_(at_p, k));
-      }
-      // For the same reason p's products with itself, as long as they are no small differences.
-      constexpr double large = 1e-6;
-      if (M_(at_p, at_p).real() > large * M_(at_x, at_x).real()) {
-        const double square = std::norm(old_part_);
-        S_(at_p, at_p) = square * old_S_(0, at_x) + 2 * S_(at_x, at_p).real() - S_(at_x, at_x);
-        M_(at_p, at_p) = square * old_M_(0, at_x) + 2 * M_(at_x, at_p).real() - M_(at_x, at_x);
-      }
+    if (p_used_) products_of_p();
+  }
+
+  /// p is the new x without its part of the old one, p = x - old_part old_x: its products follow from those of the two,
+  /// p^H S y = x^H S y - conj(old_part) old_x^H S y. Anything else would carry the single precision of the products
+  /// among neighbours into those of an ever shorter p.
+  void products_of_p() {
+    for (int k = at_y; k < size; ++k) {
+      S_(at_p, k) = S_(at_x, k) - std::conj(old_part_) * old_S_(0, k);
+      M_(at_p, k) = M_(at_x, k) - std::conj(old_part_) * old_M_(0, k);
+      S_(k, at_p) = std::conj(S_(at_p, k));
+      M_(k, at_p) = std::conj(M_(at_p, k));
+    }
+    // For the same reason p's products with itself, as long as they are no small differences.
+    if (M_(at_p, at_p).real() > long_enough * M_(at_x, at_x).real()) {
+      const double square = std::norm(old_part_);
+      S_(at_p, at_p) = square * old_S_(0, at_x) + 2 * S_(at_x, at_p).real() - S_(at_x, at_x);
+      M_(at_p, at_p) = square * old_M_(0, at_x) + 2 * M_(at_x, at_p).real() - M_(at_x, at_x);
     }
   }
 
@@ -204,15 +224,15 @@ class Refinement {
     float* const b = workspace_.b[0].data();
     const double square = parallel_sum<double>(rows_, [&](std::int64_t i) {
       const float* const y = Y_.data() + 2 * K * i;
-      float r = 0;
-      float s = 0;
+      float sum_re = 0;
+      float sum_im = 0;
       for (int k = 0; k < K; ++k) {
-        r += re[k] * y[k] - im[k] * y[K + k];
-        s += re[k] * y[K + k] + im[k] * y[k];
+        sum_re += re[k] * y[k] - im[k] * y[K + k];
+        sum_im += re[k] * y[K + k] + im[k] * y[k];
       }
       const float m = near_[i] * mass_[i];
-      b[2 * i] -= m * r;
-      b[2 * i + 1] -= m * s;
+      b[2 * i] -= m * sum_re;
+      b[2 * i + 1] -= m * sum_im;
       return double{near_[i]} * near_[i] * (double{b[2 * i]} * b[2 * i] + double{b[2 * i + 1]} * b[2 * i + 1]);
     });
     return std::sqrt(square) / residual_unit_;
@@ -260,22 +280,32 @@ class Refinement {
     return B;
   }
 
+  /// One step of LOBPCG; false when the basis has nothing new.
   bool step() {
     direction();
     products_of_w();
     // Without p the basis is smaller: its row is zero then and rayleigh_ritz drops it.
     const auto count = static_cast<Eigen::Index>(basis_.size());
     const Dense B = basis();
-    const Ritz ritz = rayleigh_ritz(B.adjoint() * S_ * B, B.adjoint() * M_ * B, count, 1e-13);
+    const Ritz ritz = rayleigh_ritz(B.adjoint() * S_ * B, B.adjoint() * M_ * B, count, dependent);
     if (ritz.values.size() == 0 || !ritz.coefficients.allFinite()) return false;
     if (count == size && ritz.values.size() > 1) next_ = ritz.values[1];
     // Among eigenvalues that the tolerance does not tell apart x turns no more than it must: rounding would turn it at
     // random, and each turn brings back the errors of the others.
-    const double same = ritz.values[0] + 0.1 * options_.tolerance * std::max(std::abs(ritz.values[0]), options_.floor);
+    const double same =
+        ritz.values[0] + equal_values * options_.tolerance * std::max(std::abs(ritz.values[0]), options_.floor);
     const Eigen::Index equal = (ritz.values.array() <= same).cast<Eigen::Index>().sum();
     const ComplexVector overlap = ritz.coefficients.leftCols(equal).adjoint() * (B.adjoint() * M_.col(at_x));
     ComplexVector c = B * ritz.coefficients.col(0);
-    if (overlap.norm() > 0.1) c = B * (ritz.coefficients.leftCols(equal) * overlap / overlap.norm());
+    if (overlap.norm() > least_overlap) c = B * (ritz.coefficients.leftCols(equal) * overlap / overlap.norm());
+    lambda_ = ritz.values[0];
+    advance_products(c);
+    update(c);
+    return true;
+  }
+
+  /// The Gram matrices after x := (x, w, p, y) c and p := x without its part of the old x; w is used up.
+  void advance_products(const ComplexVector& c) {
     old_S_ = S_.row(at_x);
     old_M_ = M_.row(at_x);
     old_part_ = c[at_x];
@@ -287,11 +317,9 @@ class Refinement {
     T.col(at_w).setZero();
     S_ = T.adjoint() * S_ * T;
     M_ = T.adjoint() * M_ * T;
-    lambda_ = ritz.values[0];
-    update(c);
-    return true;
   }
 
+  /// Products of w with the basis.
   void products_of_w() {
     constexpr std::size_t width = 12 + 4 * K;
     const std::array<double, width> sums =
@@ -365,8 +393,8 @@ class Refinement {
   const RefineOptions& options_;
   std::int64_t rows_;
   const Buffer<float>& Y_;
-  ComplexVector x_, w_, p_;
-  std::vector<int> basis_;  // positions in use
+  ComplexVector x_, w_, p_;  // the iterate, its preconditioned residual, the last step
+  std::vector<int> basis_;   // positions in use
   Hierarchy::Workspace workspace_;
   Dense S_, M_;          // Gram matrices of (x, w, p, neighbours)
   Dense old_S_, old_M_;  // products of the x before, with all

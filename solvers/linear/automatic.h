@@ -58,7 +58,7 @@ class AutomaticSolver final : public LinearSolver<Scalar> {
   /// Real systems go through complex multigrid and gain less.
   [[nodiscard]] std::string choice(Eigen::Index rows) const {
     const bool multigrid = rows > factorisable_rows || (few_ && rows >= few_from_rows);
-    return multigrid ? "multigrid" : linear_solvers().front();
+    return multigrid ? "multigrid" : preferred_factorisation();
   }
 
   SolverOptions options_;

@@ -3,12 +3,14 @@
 // backends.h: what a solver backend gives the factory: one maker per scalar. Internal to solvers/.
 //
 // A new linear backend is one file that defines its makers, their declaration here, and one line of the table in
-// factory.cpp.
+// registry.cpp. What it promises stands in alcap/backends.h.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <complex>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -30,12 +32,8 @@ template <class Scalar>
 template <class Scalar>
 [[nodiscard]] SolverPtr<Scalar> make_eigen_cg(const SolverOptions& options);
 
-template <class Scalar>
-[[nodiscard]] SolverPtr<Scalar> make_multigrid(const SolverOptions& options);
-template <>
-[[nodiscard]] SolverPtr<double> make_multigrid<double>(const SolverOptions& options);
-template <>
-[[nodiscard]] SolverPtr<std::complex<double>> make_multigrid<std::complex<double>>(const SolverOptions& options);
+/// Of complex systems only: real ones go through RealSystems.
+[[nodiscard]] SolverPtr<std::complex<double>> make_multigrid(const SolverOptions& options);
 
 /// The hook of every loop that may take long: throws Cancelled when `cancel` is set and says so.
 inline void check_cancelled(const std::function<bool()>& cancel) {
@@ -57,7 +55,7 @@ inline constexpr Eigen::Index factorisable_rows = 3'000'000;
 
 /// A positive pivot this many rounding units below its diagonal entry carries no digit: the matrix is singular to
 /// working precision. A margin of 64 covers the rounding errors summed up in one pivot.
-inline constexpr double singular_pivot = 64 * 2.2204460492503131e-16;
+inline constexpr double singular_pivot = 64 * std::numeric_limits<double>::epsilon();
 
 /// Throws SolveError unless A is square and has at least one row.
 template <class Scalar>
@@ -78,8 +76,21 @@ void require_sizes(const B& b, const X& x, Eigen::Index rows) {
   }
 }
 
-/// Throws OptionError unless `name` is "auto" or one of `known`, which the message lists.
-void require_known(const char* field, const std::string& name, const std::vector<std::string>& known);
+/// Throws OptionError unless `name` is "auto" or a known linear backend; the message lists them.
+void require_linear_solver(const char* field, const std::string& name);
+
+/// The built-in factorisation that "auto" takes, and that methods fall back to.
+[[nodiscard]] std::string preferred_factorisation();
+
+/// Whether A and B are compressed and have their entries at the same places, so that entry k of one belongs to entry k
+/// of the other.
+template <class Scalar>
+[[nodiscard]] bool same_pattern(const SparseMatrix<Scalar>& A, const SparseMatrix<Scalar>& B) {
+  return A.isCompressed() && B.isCompressed() && A.rows() == B.rows() && A.cols() == B.cols() &&
+         A.nonZeros() == B.nonZeros() &&
+         std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1, B.outerIndexPtr()) &&
+         std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
+}
 
 /// Wall-clock seconds since construction.
 class Timer {

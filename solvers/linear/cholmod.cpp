@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "solvers/linear/backends.h"
+#include "solvers/linear/stages.h"
 
 namespace alcap::detail {
 namespace {
@@ -74,20 +75,16 @@ template <class Scalar>
 class Cholmod final : public LinearSolver<Scalar> {
  public:
   Cholmod(Ordering ordering, const SolverOptions& options)
-      : cancel_(options.cancel), asked_(ordering), used_(ordering) {}
+      : stages_("CHOLMOD", options.cancel), asked_(ordering), used_(ordering) {}
   ~Cholmod() override { release(); }
   Cholmod(const Cholmod&) = delete;
   Cholmod& operator=(const Cholmod&) = delete;
 
   void analyse(const SparseMatrix<Scalar>& A) override {
-    const Timer timer;
-    require_square(A);
-    check_cancelled(cancel_);
+    stages_.begin_analysis(A);
     release();
-    rows_ = A.rows();
-    nonzeros_ = A.nonZeros();
     used_ = asked_;
-    if (asked_ == Ordering::automatic) used_ = rows_ > metis_above_rows ? Ordering::metis : Ordering::amd;
+    if (asked_ == Ordering::automatic) used_ = A.rows() > metis_above_rows ? Ordering::metis : Ordering::amd;
     common_.c.method[0].ordering = used_ == Ordering::metis ? CHOLMOD_METIS : CHOLMOD_AMD;
     guarded("CHOLMOD analysis", [&] {
       View view(A);
@@ -97,17 +94,11 @@ class Cholmod final : public LinearSolver<Scalar> {
     });
     common_.check("analysis");
     if (L_ == nullptr) throw SolveError("CHOLMOD analysis: failed");
-    report_.analyse_seconds = timer.seconds();
+    stages_.analysed(A);
   }
 
   void factorise(const SparseMatrix<Scalar>& A) override {
-    const Timer timer;
-    if (L_ == nullptr) throw SolveError("CHOLMOD: factorise() before analyse()");
-    if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
-      throw SolveError("CHOLMOD: the matrix has another pattern than the one analysed");
-    }
-    check_cancelled(cancel_);
-    factorised_ = false;
+    stages_.begin_factorisation(A);
     guarded("CHOLMOD factorisation", [&] {
       View view(A);
       cholmod_l_factorize(&view.a, L_, &common_.c);
@@ -121,36 +112,31 @@ class Cholmod final : public LinearSolver<Scalar> {
       check_pivots(A);
       index_factor();
     });
-    factorised_ = true;
-    report_.factor_nonzeros = static_cast<std::int64_t>(L_->xsize);
-    report_.factorise_seconds = timer.seconds();
+    stages_.factorised(static_cast<std::int64_t>(L_->xsize));
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
     const Timer timer;
-    if (!factorised_) throw SolveError("CHOLMOD: solve() before factorise()");
-    require_sizes(B, X, rows_);
-    check_cancelled(cancel_);
-    SolveReport report = report_;
-    report.solver = name();
+    SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
     report.converged = true;
     if (B.cols() == 0) return report;
+    const Eigen::Index rows = stages_.rows();
     Common common;
     cholmod_dense b = dense(const_cast<Scalar*>(B.data()), B.cols(), B.outerStride());
     Workspace w{&common.c};
     // CHOLMOD would use its large workspace without a look at whether there was memory for it.
-    w.Y = cholmod_l_allocate_dense(static_cast<std::size_t>(rows_), static_cast<std::size_t>(B.cols()),
-                                   static_cast<std::size_t>(rows_), xtype<Scalar>, &common.c);
+    w.Y = cholmod_l_allocate_dense(static_cast<std::size_t>(rows), static_cast<std::size_t>(B.cols()),
+                                   static_cast<std::size_t>(rows), xtype<Scalar>, &common.c);
     common.check("solve");
-    if (X.cols() == 1 || X.outerStride() == rows_) {
-      cholmod_dense x = dense(X.data(), X.cols(), rows_);
+    if (X.cols() == 1 || X.outerStride() == rows) {
+      cholmod_dense x = dense(X.data(), X.cols(), rows);
       cholmod_dense* in_place = &x;
       cholmod_l_solve2(CHOLMOD_A, L_, &b, nullptr, &in_place, nullptr, &w.Y, &w.E, &common.c);
       common.check("solve");
     } else {
       cholmod_l_solve2(CHOLMOD_A, L_, &b, nullptr, &w.X, nullptr, &w.Y, &w.E, &common.c);
       common.check("solve");
-      X = Eigen::Map<const MatrixX<Scalar>>(static_cast<const Scalar*>(w.X->x), rows_, B.cols());
+      X = Eigen::Map<const MatrixX<Scalar>>(static_cast<const Scalar*>(w.X->x), rows, B.cols());
     }
     report.solve_seconds = timer.seconds();
     return report;
@@ -159,8 +145,8 @@ class Cholmod final : public LinearSolver<Scalar> {
   // Forward substitution in the supernodes that B reaches: those of its rows and their ancestors in the elimination
   // tree.
   [[nodiscard]] std::optional<HalfSolution<Scalar>> half_solve(const SparseMatrix<Scalar>& B) const override {
-    if (!factorised_ || L_->is_super == 0) return std::nullopt;
-    if (B.rows() != rows_) throw SolveError("CHOLMOD: the right-hand side has another size than the matrix");
+    if (!stages_.ready() || L_->is_super == 0) return std::nullopt;
+    if (B.rows() != stages_.rows()) throw SolveError("CHOLMOD: the right-hand side has another size than the matrix");
     const auto* super = static_cast<const SuiteSparse_long*>(L_->super);
     const auto* pi = static_cast<const SuiteSparse_long*>(L_->pi);
     const auto* px = static_cast<const SuiteSparse_long*>(L_->px);
@@ -258,9 +244,9 @@ class Cholmod final : public LinearSolver<Scalar> {
 
   [[nodiscard]] cholmod_dense dense(Scalar* data, Eigen::Index columns, Eigen::Index stride) const {
     cholmod_dense d{};
-    d.nrow = static_cast<std::size_t>(rows_);
+    d.nrow = static_cast<std::size_t>(stages_.rows());
     d.ncol = static_cast<std::size_t>(columns);
-    d.d = static_cast<std::size_t>(columns == 1 ? rows_ : stride);
+    d.d = static_cast<std::size_t>(columns == 1 ? stages_.rows() : stride);
     d.nzmax = d.d * d.ncol;
     d.x = data;
     d.xtype = xtype<Scalar>;
@@ -307,20 +293,15 @@ class Cholmod final : public LinearSolver<Scalar> {
   }
 
   void release() {
-    factorised_ = false;
     if (L_ != nullptr) cholmod_l_free_factor(&L_, &common_.c);
   }
 
-  std::function<bool()> cancel_;
+  Stages stages_;
   Common common_;
   cholmod_factor* L_ = nullptr;
   Ordering asked_;
   Ordering used_;
-  Eigen::Index rows_ = 0;
-  Eigen::Index nonzeros_ = 0;
-  bool factorised_ = false;
   std::vector<Index> position_, super_of_;
-  SolveReport report_;  // times of analyse() and factorise()
 };
 
 }  // namespace

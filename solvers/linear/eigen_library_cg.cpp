@@ -10,6 +10,7 @@
 #include <string>
 
 #include "solvers/linear/backends.h"
+#include "solvers/linear/stages.h"
 
 namespace alcap::detail {
 namespace {
@@ -62,37 +63,25 @@ class Applied {
 template <class Scalar>
 class EigenCg final : public LinearSolver<Scalar> {
  public:
-  explicit EigenCg(const SolverOptions& options) : options_(options) {}
+  explicit EigenCg(const SolverOptions& options) : options_(options), stages_("Eigen CG", options.cancel) {}
 
   void analyse(const SparseMatrix<Scalar>& A) override {
-    const Timer timer;
-    require_square(A);
-    check_cancelled(options_.cancel);
-    ready_ = false;
-    rows_ = 0;
+    stages_.begin_analysis(A);
     guarded("Eigen CG analysis", [&] {
       // Eigen's arrays do not survive a resize without memory: the old ones are given up first.
       Matrix().swap(A_);
       preconditioner_.emplace();
       preconditioner_->factor.analyzePattern(A);
     });
-    rows_ = A.rows();
-    nonzeros_ = A.nonZeros();
-    report_.analyse_seconds = timer.seconds();
+    stages_.analysed(A);
   }
 
   void factorise(const SparseMatrix<Scalar>& A) override {
-    const Timer timer;
-    if (rows_ == 0) throw SolveError("Eigen CG: factorise() before analyse()");
-    if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
-      throw SolveError("Eigen CG: the matrix has another pattern than the one analysed");
-    }
-    check_cancelled(options_.cancel);
-    ready_ = false;
+    stages_.begin_factorisation(A);
     guarded("Eigen CG factorisation", [&] {
       A_ = A;
       preconditioner_->inverse_diagonal = A_.diagonal();
-      for (Eigen::Index j = 0; j < rows_; ++j) {
+      for (Eigen::Index j = 0; j < A.rows(); ++j) {
         Scalar& d = preconditioner_->inverse_diagonal[j];
         if (!(std::real(d) > 0)) {
           throw SolveError("Eigen CG: the matrix is not positive definite (its diagonal is not positive at column " +
@@ -103,19 +92,13 @@ class EigenCg final : public LinearSolver<Scalar> {
       preconditioner_->factor.factorize(A_);
       if (preconditioner_->factor.info() == Eigen::Success) preconditioner_->inverse_diagonal.resize(0);
     });
-    ready_ = true;
-    report_.factor_nonzeros =
-        preconditioner_->inverse_diagonal.size() > 0 ? rows_ : preconditioner_->factor.matrixL().nonZeros();
-    report_.factorise_seconds = timer.seconds();
+    stages_.factorised(preconditioner_->inverse_diagonal.size() > 0 ? A.rows()
+                                                                    : preconditioner_->factor.matrixL().nonZeros());
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
     const Timer timer;
-    if (!ready_) throw SolveError("Eigen CG: solve() before factorise()");
-    require_sizes(B, X, rows_);
-    check_cancelled(options_.cancel);
-    SolveReport report = report_;
-    report.solver = name();
+    SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
     guarded("Eigen CG solve", [&] {
       for (Eigen::Index c = 0; c < B.cols(); ++c) column(B.col(c), X.col(c), report);
     });
@@ -138,7 +121,7 @@ class EigenCg final : public LinearSolver<Scalar> {
     cg.preconditioner().bind(*preconditioner_, options_.cancel);
     cg.setTolerance(options_.tolerance);
     cg.compute(A_);
-    Vector x = Vector::Zero(rows_);
+    Vector x = Vector::Zero(b.size());
     double residual = b.norm() > 0 ? 1 : 0;
     int iterations = 0;
     for (bool progress = true; progress && residual > options_.tolerance && iterations < options_.max_iterations;) {
@@ -163,12 +146,9 @@ class EigenCg final : public LinearSolver<Scalar> {
   }
 
   SolverOptions options_;
+  Stages stages_;
   Matrix A_;
   std::optional<Preconditioner<Scalar>> preconditioner_{std::in_place};
-  Eigen::Index rows_ = 0;
-  Eigen::Index nonzeros_ = 0;
-  bool ready_ = false;
-  SolveReport report_;  // times of analyse() and factorise()
 };
 
 }  // namespace

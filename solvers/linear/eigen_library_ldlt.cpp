@@ -8,6 +8,7 @@
 #include <string>
 
 #include "solvers/linear/backends.h"
+#include "solvers/linear/stages.h"
 
 namespace alcap::detail {
 namespace {
@@ -15,47 +16,29 @@ namespace {
 template <class Scalar>
 class EigenLdlt final : public LinearSolver<Scalar> {
  public:
-  explicit EigenLdlt(const SolverOptions& options) : cancel_(options.cancel) {}
+  explicit EigenLdlt(const SolverOptions& options) : stages_("Eigen LDLT", options.cancel) {}
 
   void analyse(const SparseMatrix<Scalar>& A) override {
-    const Timer timer;
-    require_square(A);
-    check_cancelled(cancel_);
-    factorised_ = false;
-    rows_ = 0;
+    stages_.begin_analysis(A);
     guarded("Eigen LDLT analysis", [&] {
       ldlt_.emplace();  // Eigen's arrays do not survive a resize without memory: the old ones are given up first
       ldlt_->analyzePattern(Wide(A));
     });
-    rows_ = A.rows();
-    nonzeros_ = A.nonZeros();
-    report_.analyse_seconds = timer.seconds();
+    stages_.analysed(A);
   }
 
   void factorise(const SparseMatrix<Scalar>& A) override {
-    const Timer timer;
-    if (rows_ == 0) throw SolveError("Eigen LDLT: factorise() before analyse()");
-    if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
-      throw SolveError("Eigen LDLT: the matrix has another pattern than the one analysed");
-    }
-    check_cancelled(cancel_);
-    factorised_ = false;
+    stages_.begin_factorisation(A);
     guarded("Eigen LDLT factorisation", [&] {
       ldlt_->factorize(Wide(A));
       check_pivots(A);
     });
-    factorised_ = true;
-    report_.factor_nonzeros = ldlt_->matrixL().nestedExpression().nonZeros() + rows_;
-    report_.factorise_seconds = timer.seconds();
+    stages_.factorised(ldlt_->matrixL().nestedExpression().nonZeros() + A.rows());
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
     const Timer timer;
-    if (!factorised_) throw SolveError("Eigen LDLT: solve() before factorise()");
-    require_sizes(B, X, rows_);
-    check_cancelled(cancel_);
-    SolveReport report = report_;
-    report.solver = name();
+    SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
     report.converged = true;
     if (B.cols() == 0) return report;
     guarded("Eigen LDLT solve", [&] { X = ldlt_->solve(B); });
@@ -73,7 +56,7 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     if (ldlt_->info() != Eigen::Success) throw SolveError("Eigen LDLT: the matrix is singular (zero pivot)");
     const auto pivots = ldlt_->vectorD();
     const VectorX<double> diagonal = A.diagonal().real();
-    for (Eigen::Index k = 0; k < rows_; ++k) {
+    for (Eigen::Index k = 0; k < A.rows(); ++k) {
       const Eigen::Index column = ldlt_->permutationPinv().indices()[k];
       const double pivot = std::real(pivots[k]);
       if (pivot > singular_pivot * diagonal[column]) continue;
@@ -84,12 +67,8 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     }
   }
 
-  std::function<bool()> cancel_;
+  Stages stages_;
   std::optional<Eigen::SimplicialLDLT<Wide, Eigen::Lower, Eigen::AMDOrdering<std::int64_t>>> ldlt_;
-  Eigen::Index rows_ = 0;
-  Eigen::Index nonzeros_ = 0;
-  bool factorised_ = false;
-  SolveReport report_;  // times of analyse() and factorise()
 };
 
 }  // namespace

@@ -2,44 +2,48 @@
 //
 // registry.cpp: the table of linear backends, and the choice among them.
 #include <algorithm>
-#include <array>
 #include <string>
+#include <utility>
 
 #include "solvers/linear/automatic.h"
 #include "solvers/linear/backends.h"
+#include "solvers/linear/name_table.h"
+#include "solvers/linear/real_systems.h"
 
 namespace alcap {
 namespace {
 
-using detail::SolverPtr;
-using std::complex;
+using C = std::complex<double>;
+using detail::Ordering;
 
 struct Backend {
-  const char* name;
-  SolverPtr<double> (*real)(const SolverOptions&);
-  SolverPtr<complex<double>> (*hermitian)(const SolverOptions&);
+  LinearSolverFactory<C> complex;
+  LinearSolverFactory<double> real;  // empty: by RealSystems
 };
 
-// One line per backend, the preferred factorisation first: "auto" takes it where it does not take "multigrid".
-const auto backends = std::to_array<Backend>({
 #ifdef ALCAP_WITH_CHOLMOD
-    {"cholmod", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::automatic, o); },
-     [](const SolverOptions& o) { return detail::make_cholmod<complex<double>>(detail::Ordering::automatic, o); }},
-    {"cholmod-amd", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::amd, o); },
-     [](const SolverOptions& o) { return detail::make_cholmod<complex<double>>(detail::Ordering::amd, o); }},
-    {"cholmod-metis", [](const SolverOptions& o) { return detail::make_cholmod<double>(detail::Ordering::metis, o); },
-     [](const SolverOptions& o) { return detail::make_cholmod<complex<double>>(detail::Ordering::metis, o); }},
+Backend cholmod(Ordering ordering) {
+  return {[=](const SolverOptions& o) { return detail::make_cholmod<C>(ordering, o); },
+          [=](const SolverOptions& o) { return detail::make_cholmod<double>(ordering, o); }};
+}
 #endif
-    {"eigen-ldlt", [](const SolverOptions& o) { return detail::make_eigen_ldlt<double>(o); },
-     [](const SolverOptions& o) { return detail::make_eigen_ldlt<complex<double>>(o); }},
-    {"eigen-cg", [](const SolverOptions& o) { return detail::make_eigen_cg<double>(o); },
-     [](const SolverOptions& o) { return detail::make_eigen_cg<complex<double>>(o); }},
-    {"multigrid", [](const SolverOptions& o) { return detail::make_multigrid<double>(o); },
-     [](const SolverOptions& o) { return detail::make_multigrid<complex<double>>(o); }},
-});
+
+/// One line per backend, the preferred factorisation first: see preferred_factorisation().
+detail::NameTable<Backend>& backends() {
+  static detail::NameTable<Backend> table({
+#ifdef ALCAP_WITH_CHOLMOD
+      {"cholmod", cholmod(Ordering::automatic)},
+      {"cholmod-amd", cholmod(Ordering::amd)},
+      {"cholmod-metis", cholmod(Ordering::metis)},
+#endif
+      {"eigen-ldlt", {detail::make_eigen_ldlt<C>, detail::make_eigen_ldlt<double>}},
+      {"eigen-cg", {detail::make_eigen_cg<C>, detail::make_eigen_cg<double>}},
+      {"multigrid", {detail::make_multigrid, {}}},
+  });
+  return table;
+}
 
 void validate(const SolverOptions& options) {
-  detail::require_known("name", options.name, linear_solvers());
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
     throw OptionError("tolerance", std::to_string(options.tolerance), "must be in (0, 1)");
   }
@@ -51,35 +55,47 @@ void validate(const SolverOptions& options) {
   }
 }
 
-}  // namespace
-
-void detail::require_known(const char* field, const std::string& name, const std::vector<std::string>& known) {
-  if (name == "auto" || std::find(known.begin(), known.end(), name) != known.end()) return;
-  std::string list = "unknown; there are auto";
-  for (const std::string& k : known) list += ", " + k;
-  throw OptionError(field, "'" + name + "'", list);
+template <class Scalar>
+std::unique_ptr<LinearSolver<Scalar>> make(const Backend& backend, const SolverOptions& options) {
+  if constexpr (std::is_same_v<Scalar, C>) {
+    return backend.complex(options);
+  } else {
+    if (backend.real) return backend.real(options);
+    auto solver = backend.complex(options);
+    return solver ? std::make_unique<detail::RealSystems>(std::move(solver)) : nullptr;
+  }
 }
 
-std::vector<std::string> linear_solvers() {
-  std::vector<std::string> names;
-  for (const Backend& b : backends) names.emplace_back(b.name);
-  return names;
+}  // namespace
+
+void detail::require_linear_solver(const char* field, const std::string& name) {
+  if (name != "auto") static_cast<void>(backends().get(field, name));
+}
+
+std::vector<std::string> linear_solvers() { return backends().names(); }
+
+std::string detail::preferred_factorisation() { return linear_solvers().front(); }
+
+BackendRegistration register_linear_solver(std::string name, LinearSolverFactory<C> complex,
+                                           LinearSolverFactory<double> real) {
+  if (!complex) throw OptionError("complex", "none", "must be a function that makes solvers");
+  return backends().add(name, {std::move(complex), std::move(real)});
 }
 
 template <class Scalar>
 std::unique_ptr<LinearSolver<Scalar>> make_linear_solver(const SolverOptions& options) {
-  validate(options);
-  if (options.name == "auto") return std::make_unique<detail::AutomaticSolver<Scalar>>(options);
-  const auto chosen =
-      std::find_if(backends.begin(), backends.end(), [&](const Backend& b) { return options.name == b.name; });
-  if constexpr (std::is_same_v<Scalar, double>) {
-    return chosen->real(options);
-  } else {
-    return chosen->hermitian(options);
+  if (options.name == "auto") {
+    validate(options);
+    return std::make_unique<detail::AutomaticSolver<Scalar>>(options);
   }
+  const auto backend = backends().get("name", options.name);
+  validate(options);
+  auto solver = make<Scalar>(*backend, options);
+  if (!solver) throw SolveError("the factory of the linear solver '" + options.name + "' made none");
+  return solver;
 }
 
 template std::unique_ptr<LinearSolver<double>> make_linear_solver<double>(const SolverOptions&);
-template std::unique_ptr<LinearSolver<complex<double>>> make_linear_solver<complex<double>>(const SolverOptions&);
+template std::unique_ptr<LinearSolver<C>> make_linear_solver<C>(const SolverOptions&);
 
 }  // namespace alcap

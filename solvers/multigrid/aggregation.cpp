@@ -88,10 +88,12 @@ class Aggregation {
         pull[count++] = {a, value};
       }
     }
+    // An aggregate of ten pulls half as much as an empty one: sizes stay even.
+    constexpr float crowding = 0.1F;
     float best = 0;
     for (int k = 0; k < count; ++k) {
       const float score = std::sqrt(std::norm(pull[k].value)) /
-                          (1 + 0.1F * static_cast<float>(sizes_[static_cast<std::size_t>(pull[k].aggregate)]));
+                          (1 + crowding * static_cast<float>(sizes_[static_cast<std::size_t>(pull[k].aggregate)]));
       if (!(score > best)) continue;
       best = score;
       std::atomic_ref<Index>(result_.aggregate[i]).store(later(pull[k].aggregate), std::memory_order_relaxed);

@@ -11,6 +11,8 @@ namespace {
 
 /// The smoother damps [largest / 6, largest]; below that is the coarse level's.
 constexpr float smoothing_range = 6;
+/// On a coarsest level too large for a dense inverse.
+constexpr int coarsest_sweeps = 4;
 
 /// Two Chebyshev steps for a unit diagonal: x += (one + two) r - two A_off r, with r = b - A x.
 struct Chebyshev {
@@ -80,7 +82,7 @@ void visit(const std::vector<Level>& levels, const Buffer<ComplexF>& inverse, st
       return;
     }
     // Too many rows left and no more coupling: the smoother converges fast.
-    for (int sweep = 0; sweep < 4; ++sweep) smooth<K>(level, b, x, r, from_zero && sweep == 0);
+    for (int sweep = 0; sweep < coarsest_sweeps; ++sweep) smooth<K>(level, b, x, r, from_zero && sweep == 0);
     return;
   }
   smooth<K>(level, b, x, r, from_zero);

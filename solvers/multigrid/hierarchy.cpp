@@ -3,11 +3,11 @@
 // hierarchy.cpp: from a matrix to all its levels.
 #include "solvers/multigrid/hierarchy.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "solvers/dense/hermitian.h"
 #include "solvers/linear/backends.h"
 
 namespace alcap::detail {
@@ -17,15 +17,16 @@ namespace {
 constexpr Index dense_rows = 96;
 /// Coarsening that keeps more than this part of the rows has come to its end.
 constexpr double stalled = 0.8;
+/// Of the unit diagonal: the first attempt to make a coarsest matrix positive definite again, and what it grows by.
+constexpr double first_lift = 1e-7;
+constexpr double lift_growth = 10;
 
-/// The finest level: A in single precision. With a transport its guide has couplings against that lumped into the
-/// diagonal; they stay as zeros, so that the pattern is that of A. `unit` becomes the mean diagonal.
-Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transport, double& unit) {
-  const auto n = static_cast<Index>(A.S.rows());
-  const Index* const start = A.S.outerIndexPtr();
-  const Index* const row = A.S.innerIndexPtr();
-  Level level;
-  Rows& off = level.off;
+/// Where the rows of A start without their diagonal entries; memory for as many entries.
+Rows off_diagonal_rows(const SparseMatrix<std::complex<double>>& A) {
+  const auto n = static_cast<Index>(A.rows());
+  const Index* const start = A.outerIndexPtr();
+  const Index* const row = A.innerIndexPtr();
+  Rows off;
   off.start = Buffer<std::int64_t>(std::int64_t{n} + 1);
   parallel_for(n, [&](std::int64_t i) {
     std::int64_t count = 0;
@@ -36,11 +37,16 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
   const std::int64_t total = parallel_exclusive_scan(off.start.data(), std::int64_t{n} + 1);
   off.column = Buffer<Index>(total);
   off.value = Buffer<ComplexF>(total);
-  if (transport != nullptr) {
-    level.guide = Buffer<ComplexF>(total);
-    level.guide_near = Buffer<float>(n);
-  }
-  level.near = Buffer<float>(n);
+  return off;
+}
+
+/// Fills level.off (and level.guide) with the entries of A as they are, level.guide_near with the roots of the guide's
+/// diagonal; returns the diagonal of A.
+Buffer<double> copy_entries(const Operand& A, const SparseMatrix<std::complex<double>>* transport, Level& level) {
+  const Index n = level.rows();
+  const Index* const start = A.S.outerIndexPtr();
+  const Index* const row = A.S.innerIndexPtr();
+  Rows& off = level.off;
   Buffer<double> diagonal(n);
   // Row i of A is the conjugate of column i.
   parallel_for(n, [&](std::int64_t i) {
@@ -67,6 +73,30 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
     diagonal[i] = sum;
     if (transport != nullptr) level.guide_near[i] = static_cast<float>(std::sqrt(sum + lumped));
   });
+  return diagonal;
+}
+
+/// value_ij := scale value_ij / (near_i near_j).
+void scale_entries(const Rows& pattern, float scale, const Buffer<float>& near, Buffer<ComplexF>& value) {
+  parallel_for(pattern.rows(), [&](std::int64_t i) {
+    const float own = scale / near[i];
+    for (std::int64_t e = pattern.start[i]; e < pattern.start[i + 1]; ++e) value[e] *= own / near[pattern.column[e]];
+  });
+}
+
+/// The finest level: A in single precision, N^-1 A N^-1 / unit with N^2 = diag(A) / unit, `unit` the mean diagonal.
+/// With a transport its guide has couplings against that lumped into the diagonal; they stay as zeros, so that the
+/// pattern is that of A.
+Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transport, double& unit) {
+  const auto n = static_cast<Index>(A.S.rows());
+  Level level;
+  level.off = off_diagonal_rows(A.S);
+  if (transport != nullptr) {
+    level.guide = Buffer<ComplexF>(level.off.nonzeros());
+    level.guide_near = Buffer<float>(n);
+  }
+  level.near = Buffer<float>(n);
+  const Buffer<double> diagonal = copy_entries(A, transport, level);
   for (Index i = 0; i < n; ++i) {
     if (diagonal[i] > 0 && std::isfinite(diagonal[i])) continue;
     throw SolveError("multigrid: the matrix is not positive definite (its diagonal is not positive at column " +
@@ -75,17 +105,10 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
   unit = parallel_sum<double>(n, [&](std::int64_t i) { return diagonal[i]; }) / n;
   parallel_for(n, [&](std::int64_t i) { level.near[i] = static_cast<float>(std::sqrt(diagonal[i] / unit)); });
   const auto scale = static_cast<float>(1 / unit);
-  parallel_for(n, [&](std::int64_t i) {
-    const float own = scale / level.near[i];
-    for (std::int64_t e = off.start[i]; e < off.start[i + 1]; ++e) off.value[e] *= own / level.near[off.column[e]];
-  });
+  scale_entries(level.off, scale, level.near, level.off.value);
   if (transport != nullptr) {
     parallel_for(n, [&](std::int64_t i) { level.guide_near[i] /= std::sqrt(static_cast<float>(unit)); });
-    parallel_for(n, [&](std::int64_t i) {
-      const float own = scale / level.guide_near[i];
-      for (std::int64_t e = off.start[i]; e < off.start[i + 1]; ++e)
-        level.guide[e] *= own / level.guide_near[off.column[e]];
-    });
+    scale_entries(level.off, scale, level.guide_near, level.guide);
   }
   return level;
 }
@@ -223,10 +246,9 @@ void Hierarchy::invert_coarsest() {
     for (std::int64_t e = level.off.start[i]; e < level.off.start[i + 1]; ++e)
       A(i, level.off.column[e]) = level.off.value[e];
   // Single precision may have made a nearly singular operator a little indefinite: lift it as much as needed.
-  for (double lift = 1e-7;; lift *= 10) {
-    const Eigen::LLT<MatrixX<std::complex<double>>> llt(A);
-    if (llt.info() == Eigen::Success) {
-      const MatrixX<std::complex<double>> inverse = llt.solve(MatrixX<std::complex<double>>::Identity(n, n));
+  for (double lift = first_lift;; lift *= lift_growth) {
+    if (const auto found = hermitian_inverse(A)) {
+      const MatrixX<std::complex<double>>& inverse = *found;
       coarsest_inverse_ = Buffer<ComplexF>(std::int64_t{n} * n);
       for (Index i = 0; i < n; ++i)
         for (Index j = 0; j < n; ++j) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// hierarchy.h: gauge-covariant smoothed aggregation (Vanek, Mandel, Brezina 1996, with transports in place of the
-// constant vector) and its W-cycle. Internal to solvers/.
+// hierarchy.h: gauge-covariant smoothed aggregation (Vanek, Mandel, Brezina 1996, with parallel transports where they
+// have the constant vector) and its W-cycle. Internal to solvers/.
 //
 // The near-null vectors of a connection Laplacian are not constant but covariantly constant over short distances. So
 // the tentative prolongation carries a value from the root of an aggregate to its vertices by parallel transport, which

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "solvers/linear/backends.h"
+#include "solvers/linear/stages.h"
 #include "solvers/multigrid/hierarchy.h"
 #include "src/base/parallel.h"
 
@@ -33,49 +34,38 @@ constexpr double least_progress = 0.5;
 
 class Multigrid final : public LinearSolver<complex<double>> {
  public:
-  explicit Multigrid(const SolverOptions& options) : options_(options) {}
+  explicit Multigrid(const SolverOptions& options) : options_(options), stages_(own_name, options.cancel) {}
 
-  void set_transport(const Hermitian& T) override { transport_ = T; }
+  void set_transport(const Hermitian& T) override {
+    transport_ = T;
+    transport_.makeCompressed();
+  }
 
   void analyse(const Hermitian& A) override {
-    require_square(A);
-    rows_ = A.rows();
-    nonzeros_ = A.nonZeros();
-    ready_ = false;
+    stages_.begin_analysis(A);
+    stages_.analysed(A);
   }
 
   void factorise(const Hermitian& A) override {
-    const Timer timer;
-    if (rows_ == 0) throw SolveError("multigrid: factorise() before analyse()");
-    if (A.rows() != rows_ || A.cols() != rows_ || A.nonZeros() != nonzeros_) {
-      throw SolveError("multigrid: the matrix has another pattern than the one analysed");
-    }
-    ready_ = false;
+    stages_.begin_factorisation(A);
     direct_.reset();
     try {
       A_ = A;
       A_.makeCompressed();
-      const bool fits = transport_.rows() == rows_ && transport_.isCompressed() &&
-                        transport_.nonZeros() == A_.nonZeros() &&
-                        std::equal(A_.innerIndexPtr(), A_.innerIndexPtr() + A_.nonZeros(), transport_.innerIndexPtr());
-      if (transport_.rows() != 0 && !fits)
+      const bool given = transport_.rows() != 0;
+      if (given && !same_pattern(A_, transport_))
         throw SolveError("multigrid: the transport has another pattern than the matrix");
-      hierarchy_.build({.S = A_}, fits ? &transport_ : nullptr, options_.cancel);
+      hierarchy_.build({.S = A_}, given ? &transport_ : nullptr, options_.cancel);
     } catch (const std::bad_alloc&) {
       throw SolveError("multigrid: out of memory");
     }
-    ready_ = true;
-    report_.factorise_seconds = timer.seconds();
-    report_.factor_nonzeros = hierarchy_.nonzeros();
+    stages_.factorised(hierarchy_.nonzeros());
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<complex<double>>>& B,
                     Eigen::Ref<MatrixX<complex<double>>> X) const override {
     const Timer timer;
-    if (!ready_) throw SolveError("multigrid: solve() before factorise()");
-    require_sizes(B, X, rows_);
-    SolveReport report = report_;
-    report.solver = own_name;
+    SolveReport report = stages_.begin_solve<complex<double>>(B, X, own_name);
     guarded("multigrid solve", [&] { columns(B, X, report); });
     report.converged = report.residual <= options_.tolerance;
     report.solve_seconds = timer.seconds();
@@ -96,9 +86,9 @@ class Multigrid final : public LinearSolver<complex<double>> {
     for (Eigen::Index c = 0; c < B.cols(); ++c) {
       Vector x;
       auto [iterations, relative] = conjugate_gradients(B.col(c), x, workspace);
-      if (relative > options_.tolerance && iterations < options_.max_iterations && rows_ <= factorisable_rows) {
+      if (relative > options_.tolerance && iterations < options_.max_iterations && A_.rows() <= factorisable_rows) {
         const LinearSolver<complex<double>>& direct = factorised();
-        MatrixX<complex<double>> column(rows_, 1);
+        MatrixX<complex<double>> column(A_.rows(), 1);
         (void)direct.solve(B.col(c), column);
         x = column.col(0);
         relative = residual_of(x, B.col(c));
@@ -116,7 +106,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   };
 
   Outcome conjugate_gradients(const Eigen::Ref<const Vector>& b, Vector& x, Hierarchy::Workspace& workspace) const {
-    const Eigen::Index n = rows_;
+    const Eigen::Index n = A_.rows();
     x.setZero(n);
     Vector r = b;
     const double norm_b = std::sqrt(dot(r, r));
@@ -169,7 +159,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   const LinearSolver<complex<double>>& factorised() const {
     const std::lock_guard<std::mutex> lock(*direct_lock_);
     if (!direct_) {
-      auto direct = make_linear_solver<complex<double>>({.name = linear_solvers().front(), .cancel = options_.cancel});
+      auto direct = make_linear_solver<complex<double>>({.name = preferred_factorisation(), .cancel = options_.cancel});
       direct->analyse(A_);
       direct->factorise(A_);
       direct_ = std::move(direct);
@@ -183,58 +173,22 @@ class Multigrid final : public LinearSolver<complex<double>> {
     auto* b = reinterpret_cast<ComplexF*>(w.b[0].data());
     const auto* x = reinterpret_cast<const ComplexF*>(w.x[0].data());
     const float* const near = hierarchy_.levels()[0].near.data();
-    parallel_for(rows_, [&](std::int64_t i) { b[i] = ComplexF(r[i] * (unit / double{near[i]})); });
+    parallel_for(A_.rows(), [&](std::int64_t i) { b[i] = ComplexF(r[i] * (unit / double{near[i]})); });
     hierarchy_.cycle<1>(w);
-    parallel_for(rows_, [&](std::int64_t i) { z[i] = size / double{near[i]} * complex<double>(x[i]); });
+    parallel_for(A_.rows(), [&](std::int64_t i) { z[i] = size / double{near[i]} * complex<double>(x[i]); });
   }
 
   SolverOptions options_;
-  Eigen::Index rows_ = 0;
-  Eigen::Index nonzeros_ = 0;
+  Stages stages_;
   Hermitian A_;
   Hermitian transport_;
   Hierarchy hierarchy_;
-  bool ready_ = false;
-  SolveReport report_;  // times of factorise()
   std::unique_ptr<std::mutex> direct_lock_ = std::make_unique<std::mutex>();
   mutable std::unique_ptr<LinearSolver<complex<double>>> direct_;
 };
 
-/// Real symmetric systems as complex ones with zero imaginary part.
-class RealMultigrid final : public LinearSolver<double> {
- public:
-  explicit RealMultigrid(const SolverOptions& options) : solver_(options) {}
-  void set_transport(const SparseMatrix<double>& T) override { solver_.set_transport(T.cast<complex<double>>()); }
-  void analyse(const SparseMatrix<double>& A) override {
-    guarded("multigrid", [&] { solver_.analyse(A.cast<complex<double>>()); });
-  }
-  void factorise(const SparseMatrix<double>& A) override {
-    guarded("multigrid", [&] { solver_.factorise(A.cast<complex<double>>()); });
-  }
-  SolveReport solve(const Eigen::Ref<const MatrixX<double>>& B, Eigen::Ref<MatrixX<double>> X) const override {
-    SolveReport report;
-    guarded("multigrid solve", [&] {
-      MatrixX<complex<double>> x(X.rows(), X.cols());
-      report = solver_.solve(B.cast<complex<double>>(), x);
-      X = x.real();
-    });
-    return report;
-  }
-  [[nodiscard]] std::string name() const override { return solver_.name(); }
-
- private:
-  Multigrid solver_;
-};
-
 }  // namespace
 
-template <>
-SolverPtr<double> make_multigrid<double>(const SolverOptions& options) {
-  return std::make_unique<RealMultigrid>(options);
-}
-template <>
-SolverPtr<complex<double>> make_multigrid<complex<double>>(const SolverOptions& options) {
-  return std::make_unique<Multigrid>(options);
-}
+SolverPtr<complex<double>> make_multigrid(const SolverOptions& options) { return std::make_unique<Multigrid>(options); }
 
 }  // namespace alcap::detail

@@ -11,7 +11,7 @@ set(layers
   "src/base                | errors version conventions memory"
   "src/simd                |"
   "solvers/dense           |"
-  "solvers/linear          | solve"
+  "solvers/linear          | solve backends"
   "solvers/multigrid       |"
   "solvers/eigenpair       |"
   "src/mesh                | mesh_check mesh arrays generators topology geometry surface"

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
-// solver_fixture.h: the matrices of smoothest fields on a mesh, and random right-hand sides, for the tests of solvers.
+// solver_fixture.h: the matrices of smoothest fields on a mesh, random right-hand sides and reference solutions, for
+// the tests of solvers.
 #pragma once
 
+#include <doctest/doctest.h>
+
+#include <cmath>
 #include <complex>
 #include <utility>
 
 #include "alcap/connection.h"
 #include "alcap/energies.h"
 #include "alcap/solve.h"
+#include "solvers/dense/hermitian.h"
 #include "src/base/random.h"
 #include "tests/support/mesh_case.h"
 
@@ -57,5 +62,33 @@ inline double true_residual(const Hermitian& S, const Hermitian& M, double area,
   return (S * r.u - r.report.lambda * Mu).norm() / (std::max(r.report.lambda, 1 / area) * Mu.norm());
 }
 inline double true_residual(const Problem& p, const EigenResult& r) { return true_residual(p.S, p.M, p.area, r); }
+
+/// All eigenvalues of S u = lambda M u, ascending, by the dense solver.
+inline VectorX<double> dense_spectrum(const Hermitian& S, const Hermitian& M) {
+  return detail::generalised_eigenpairs<Z>(Dense(S), Dense(M)).value().values;
+}
+
+/// A x = b by multigrid for a random b.
+struct MultigridRun {
+  Dense x;
+  SolveReport report;
+  double factor = 1;  ///< of the residual, per iteration
+};
+
+inline MultigridRun run_multigrid(const Hermitian& A, const Hermitian* transport, double tolerance = 1e-8) {
+  const auto solver = make_linear_solver<Z>({.name = "multigrid", .tolerance = tolerance, .max_iterations = 200});
+  if (transport != nullptr) solver->set_transport(*transport);
+  solver->analyse(A);
+  solver->factorise(A);
+  const Dense b = random_dense(A.rows(), 1, 1);
+  MultigridRun run{.x = Dense(A.rows(), 1), .report = {}};
+  run.report = solver->solve(b, run.x);
+  const double after = residual<Z>(A, run.x, b);
+  CHECK(run.report.converged);
+  CHECK(run.report.residual == doctest::Approx(after).epsilon(1e-3));
+  CHECK(after <= tolerance);
+  run.factor = std::pow(after, 1.0 / run.report.iterations);
+  return run;
+}
 
 }  // namespace alcap::test

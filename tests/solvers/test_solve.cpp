@@ -4,7 +4,6 @@
 // Laplacians of graphs, made here.
 #include <doctest/doctest.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <complex>
 #include <string>
@@ -111,10 +110,6 @@ Dense solve(const std::string& name, const Hermitian& A, const Dense& B) {
   Dense X(B.rows(), B.cols());
   CHECK(solver->solve(B, X).converged);
   return X;
-}
-
-VectorX<double> dense_spectrum(const Hermitian& S, const Hermitian& M) {
-  return Eigen::GeneralizedSelfAdjointEigenSolver<Dense>(Dense(S), Dense(M), Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 }  // namespace
@@ -260,6 +255,29 @@ TEST_CASE("conjugate gradients: what they cannot do is said, and so is what they
     refused = true;
   }
   CHECK(refused);
+}
+
+TEST_CASE("a matrix of another pattern than the one analysed is refused, also with as many entries") {
+  const Index N = 30;
+  const Hermitian A = ring(N, 1, 3) + identity(N, 0.1);
+  Builder b(N);
+  for (Index i = 0; i < N; ++i) b.edge(i, (i + 2) % N, 1, 0);
+  const Hermitian other = b.matrix() + identity(N, 0.1);
+  REQUIRE(other.nonZeros() == A.nonZeros());
+  for (const std::string& name : linear_solvers()) {
+    CAPTURE(name);
+    const auto solver = make_linear_solver<Z>({.name = name});
+    solver->analyse(A);
+    CHECK_THROWS_AS(solver->factorise(other), SolveError);
+    solver->factorise(A);
+    const Dense B = random_dense(N, 1, 1);
+    Dense X(N, 1);
+    CHECK(solver->solve(B, X).converged);
+    CHECK(residual<Z>(A, X, B) <= 1e-9);
+    Hermitian loose = A;
+    loose.uncompress();
+    CHECK_NOTHROW(solver->factorise(loose));
+  }
 }
 
 TEST_CASE("unknown names are refused with the list of known ones") {
@@ -409,6 +427,30 @@ TEST_CASE("residual of a wrong solution is what it is") {
   CHECK(residual<Z>(A, X, B) == 0);
   X.col(1).setConstant(Z(0, 0.5));
   CHECK(residual<Z>(A, X, B) == doctest::Approx(std::sqrt(2.0)));
+}
+
+TEST_CASE("S and M of different patterns with as many entries") {
+  // Neighbours in S, next but one in M: every column has three entries.
+  const Index N = 60;
+  const Hermitian S = ring(N, 1, 3);
+  Builder b(N);
+  for (Index i = 0; i < N; ++i) {
+    b.add(i, i, 1);
+    b.add(i, (i + 2) % N, 0.1);
+    b.add((i + 2) % N, i, 0.1);
+  }
+  const Hermitian M = b.matrix();
+  REQUIRE(M.nonZeros() == S.nonZeros());
+  const double lambda = dense_spectrum(S, M)[0];
+  for (const std::string& solver : linear_solvers()) {
+    for (const char* method : {"lanczos", "inverse-iteration", "lobpcg"}) {
+      CAPTURE(solver);
+      CAPTURE(method);
+      const EigenResult r = smallest_eigenpair(S, M, N * N, {.solver = solver, .method = method});
+      CHECK(r.report.converged);
+      CHECK(std::abs(r.report.lambda - lambda) <= 1e-8);
+    }
+  }
 }
 
 TEST_CASE("ring with flux: the known spectrum, for every method and backend") {

@@ -8,6 +8,7 @@
 
 #include "alcap/assembly.h"
 #include "solvers/eigenpair/lanczos_real.h"
+#include "solvers/linear/backends.h"
 
 namespace alcap::detail {
 namespace {
@@ -135,7 +136,7 @@ class Pencil {
 
   void prepare_update(RealPencil& pencil) {
     complex_ = make_linear_solver<C>(solver_options());
-    if (M_.nonZeros() == S_.nonZeros()) complex_->set_transport(M_);
+    if (same_pattern(S_, M_)) complex_->set_transport(M_);
     complex_->analyse(S_);
     if (!factorise_unshifted()) {
       pencil.shift = -relative_shift / size_;

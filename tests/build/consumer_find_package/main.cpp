@@ -1,9 +1,37 @@
 // SPDX-License-Identifier: MIT
 //
-// A user of the installed library: the smoothest cross field on a small mesh of their own.
+// A user of the installed library: the smoothest cross field on a small mesh of their own, then again with a linear
+// solver of their own.
 #include <alcap/alcap.h>
 
+#include <Eigen/SparseCholesky>
 #include <iostream>
+#include <memory>
+#include <string>
+
+namespace {
+
+using C = std::complex<double>;
+using Dense = alcap::MatrixX<C>;
+
+struct Mine final : alcap::LinearSolver<C> {
+  void analyse(const alcap::SparseMatrix<C>& A) override { ldlt.analyzePattern(A); }
+  void factorise(const alcap::SparseMatrix<C>& A) override {
+    ldlt.factorize(A);
+    if (ldlt.info() != Eigen::Success) throw alcap::SolveError("mine: the matrix is singular");
+  }
+  alcap::SolveReport solve(const Eigen::Ref<const Dense>& B, Eigen::Ref<Dense> X) const override {
+    X = ldlt.solve(B);
+    alcap::SolveReport report;
+    report.solver = name();
+    report.converged = true;
+    return report;
+  }
+  std::string name() const override { return "mine"; }
+  Eigen::SimplicialLDLT<alcap::SparseMatrix<C>> ldlt;
+};
+
+}  // namespace
 
 int main() {
   alcap::Positions<double> V(4, 3);
@@ -13,5 +41,11 @@ int main() {
   const alcap::FieldRun run = alcap::run_field(V, F, {.n = 4});
   std::cout << "alcap " << alcap::version() << ": " << run.singularities.size() << " singularities, lambda "
             << run.eigen.at(0).lambda << "\n";
-  return run.certificate.holds() && run.index_sums.at(0).sum == 4 * 2 ? 0 : 1;  // n times the Euler characteristic
+  if (!run.certificate.holds() || run.index_sums.at(0).sum != 4 * 2) return 1;  // n times the Euler characteristic
+
+  const auto mine = alcap::register_linear_solver("mine", [](const auto&) { return std::make_unique<Mine>(); });
+  const alcap::FieldRun own = alcap::run_field(V, F, {.n = 4, .eigen = {.solver = "mine", .method = "lanczos"}});
+  std::cout << own.eigen.at(0).solver << ": lambda " << own.eigen.at(0).lambda << "\n";
+  const bool same = std::abs(own.eigen.at(0).lambda - run.eigen.at(0).lambda) < 1e-7 * run.eigen.at(0).lambda;
+  return same && own.certificate.holds() && own.eigen.at(0).solver.find("mine") != std::string::npos ? 0 : 1;
 }
