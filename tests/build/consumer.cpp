@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// A user who builds the library along with their own project: the smoothest cross field on a small mesh.
+// A user of the library, installed or embedded: the smoothest cross field on a small mesh of their own.
 #include <alcap/alcap.h>
 
 #include <iostream>
