@@ -20,3 +20,17 @@ install(FILES
     ${PROJECT_BINARY_DIR}/alcapConfigVersion.cmake
     cmake/FindCHOLMOD.cmake
   DESTINATION ${alcap_package_dir})
+
+# For users without CMake: pkg-config. A static library is linked with what it uses, so that is public then. CHOLMOD of
+# Debian 12 comes without a pkg-config file.
+set(alcap_pc_requires eigen3)
+set(alcap_pc_libs)
+if(alcap_type STREQUAL "STATIC_LIBRARY")
+  string(APPEND alcap_pc_requires " tbb")
+  if(ALCAP_WITH_CHOLMOD)
+    set(alcap_pc_libs -lcholmod)
+  endif()
+endif()
+file(RELATIVE_PATH alcap_pc_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(cmake/alcap.pc.in ${PROJECT_BINARY_DIR}/alcap.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/alcap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

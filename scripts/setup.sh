@@ -104,15 +104,19 @@ jobs() {
 # build preset [targets...]: configures and builds in build/PRESET; everything if no target is named.
 build() {
   local preset=$1 target=() started=$SECONDS
+  local folder=$root/build/$preset
   shift
   [ $# -eq 0 ] || target=(--target "$@")
-  say "Configuring (preset $preset, in $root/build/$preset)"
-  if ! (cd "$root" && cmake --preset "$preset" >"$log" 2>&1); then
-    cat "$log" >&2
-    die "CMake could not configure; its messages are above." "If build/$preset is from another machine, delete it."
+  # Once configured, the build itself sees what changed; only the presets it does not know.
+  if ! [ "$folder/build.ninja" -nt "$root/CMakePresets.json" ]; then
+    say "Configuring (preset $preset, in $folder)"
+    if ! (cd "$root" && cmake --preset "$preset" >"$log" 2>&1); then
+      cat "$log" >&2
+      die "CMake could not configure; its messages are above." "If build/$preset is from another machine, delete it."
+    fi
   fi
   say "Building with $(jobs) at a time"
-  cmake --build "$root/build/$preset" -j "$(jobs)" ${target[@]+"${target[@]}"} ||
+  cmake --build "$folder" -j "$(jobs)" ${target[@]+"${target[@]}"} ||
     die "the build failed; the compiler's message is above."
   echo "   built in $((SECONDS - started)) s"
 }

@@ -15,7 +15,7 @@ while [ $# -gt 0 ]; do
 done
 
 # VTK reads our VTP files back. It is large, so a machine that cannot have it skips that one test, and says so.
-if ! install_with python3-vtk9 "${build_packages[@]}" ccache; then
+if ! install_with python3-vtk9 "${build_packages[@]}" ccache pkg-config; then
   say "WARNING: the test that reads our VTP files back with VTK will be skipped: $why"
 fi
 build "$preset"

@@ -59,7 +59,7 @@ void for_each_edge(const Mesh& mesh, const Connection& connection, int n, Body&&
 }
 
 // a b without the check for infinities.
-Complex<double> product(const Complex<double>& a, const Complex<double>& b) {
+Complex<double> plain_product(const Complex<double>& a, const Complex<double>& b) {
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
@@ -93,8 +93,8 @@ StiffnessMass stiffness_and_mass(const Mesh& mesh, const HermitianPattern& patte
       s += std::conj(entries.stiffness_off[static_cast<std::size_t>(g)]);
       m += std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
     }
-    set_pair(out.S, pattern, e, product(phase, s));
-    set_pair(out.M, pattern, e, product(phase, m));
+    set_pair(out.S, pattern, e, plain_product(phase, s));
+    set_pair(out.M, pattern, e, plain_product(phase, m));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     double stiffness = 0, area = 0;
@@ -122,7 +122,7 @@ SparseMatrix<Complex<double>> curvature_and_boundary(const Mesh& mesh, const Her
       c += density(g / 3) * std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
     else
       c += Complex<double>(0, double(-0.5));  // Im(conj(u_i) e^{iR} u_j) for the boundary halfedge i -> j
-    set_pair(A, pattern, e, product(phase, c));
+    set_pair(A, pattern, e, plain_product(phase, c));
   });
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     double curvature = 0;

@@ -67,7 +67,7 @@ void check_size(std::vector<DefectReport>& reports, std::int64_t faces, std::int
   if (vertices > most) complain(vertices, "vertices", Element::vertex);
 }
 
-bool in_range(const FacesRef& F, Eigen::Index t, std::int64_t vertices) {
+bool face_in_range(const FacesRef& F, Eigen::Index t, std::int64_t vertices) {
   return F.row(t).minCoeff() >= 0 && F.row(t).maxCoeff() < vertices;
 }
 
@@ -81,7 +81,7 @@ void check_each_face(std::vector<DefectReport>& reports, const FacesRef& F, std:
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
     char& good = usable[static_cast<std::size_t>(t)];
     good = 0;
-    if (!in_range(F, t, vertices)) {
+    if (!face_in_range(F, t, vertices)) {
       out.add(static_cast<Index>(t));
     } else if (repeats_vertex(F, t)) {
       repeated.add(static_cast<Index>(t));
@@ -252,7 +252,7 @@ std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRe
   }
   std::vector<std::array<Index, 2>> short_edges;
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
-    if (!in_range(F, t, V.rows()) || repeats_vertex(F, t)) continue;
+    if (!face_in_range(F, t, V.rows()) || repeats_vertex(F, t)) continue;
     bool measurable = true, has_length = true;
     for (int c = 0; c < 3; ++c) measurable = measurable && finite[static_cast<std::size_t>(F(t, c))] != 0;
     if (!measurable) continue;

@@ -24,6 +24,7 @@ foreach(header IN LISTS alcap_public_headers)
 endforeach()
 add_library(alcap_headers_alone OBJECT ${alcap_header_sources})
 alcap_private_flags(alcap_headers_alone)
+target_compile_options(alcap_headers_alone PRIVATE -O0)
 target_link_libraries(alcap_headers_alone PRIVATE alcap::alcap TBB::tbb)
 
 # What benchmarks are judged by: which differences count, and the table of targets.
@@ -39,9 +40,12 @@ set(consumer_settings
   -D CXX=${CMAKE_CXX_COMPILER} -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
   -D CONFIG=$<CONFIG> -D "FLAGS=${CMAKE_CXX_FLAGS}" -D "FLAGS_CONFIG=${CMAKE_CXX_FLAGS_${config_upper}}"
   -D WITH_CHOLMOD=${ALCAP_WITH_CHOLMOD} -D NATIVE=${ALCAP_NATIVE} -D SHARED=${BUILD_SHARED_LIBS} -D WERROR=${ALCAP_WARNINGS_AS_ERRORS}
-  -D ALCAP_SOURCE=${PROJECT_SOURCE_DIR} -D ALCAP_BUILD=${PROJECT_BINARY_DIR} -D ALCAP_VERSION=${PROJECT_VERSION})
-foreach(kind IN ITEMS find_package subdirectory)
-  if(kind STREQUAL "find_package" AND NOT ALCAP_INSTALL)
+  -D ALCAP_SOURCE=${PROJECT_SOURCE_DIR} -D ALCAP_BUILD=${PROJECT_BINARY_DIR} -D ALCAP_VERSION=${PROJECT_VERSION}
+  -D PKG_CONFIG=${ALCAP_PKG_CONFIG})
+find_program(ALCAP_PKG_CONFIG pkg-config)
+mark_as_advanced(ALCAP_PKG_CONFIG)
+foreach(kind IN ITEMS find_package pkg_config subdirectory)
+  if((NOT kind STREQUAL "subdirectory" AND NOT ALCAP_INSTALL) OR (kind STREQUAL "pkg_config" AND NOT ALCAP_PKG_CONFIG))
     continue()
   endif()
   add_test(NAME consumer_${kind} COMMAND ${CMAKE_COMMAND} ${consumer_settings} -D KIND=${kind}
@@ -49,9 +53,26 @@ foreach(kind IN ITEMS find_package subdirectory)
   set_tests_properties(consumer_${kind} PROPERTIES TIMEOUT 900)
 endforeach()
 
+# The version that is cited is that of the project.
+add_test(NAME version_is_one COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR} -D VERSION=${PROJECT_VERSION}
+  -P ${CMAKE_CURRENT_LIST_DIR}/check_version.cmake)
+
+# The tool is hardened where that was asked for, and the check sees a program that is not.
+find_program(ALCAP_READELF readelf)
+mark_as_advanced(ALCAP_READELF)
+if(TARGET alcap_cli AND ALCAP_HARDENED AND ALCAP_READELF AND CMAKE_BUILD_TYPE STREQUAL "Release"
+    AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize")
+  add_test(NAME hardened_binary COMMAND ${CMAKE_COMMAND} -D READELF=${ALCAP_READELF} -D BINARY=$<TARGET_FILE:alcap_cli>
+    -P ${CMAKE_CURRENT_LIST_DIR}/check_hardened.cmake)
+  add_test(NAME hardened_binary_can_fail COMMAND ${CMAKE_COMMAND} -D READELF=${ALCAP_READELF} -D CXX=${CMAKE_CXX_COMPILER}
+    -D WORK=${CMAKE_CURRENT_BINARY_DIR}/hardened -P ${CMAKE_CURRENT_LIST_DIR}/check_hardened_selftest.cmake)
+endif()
+
 # A configure without a build type is an optimised build.
 add_test(NAME default_build_is_optimised COMMAND ${CMAKE_COMMAND} ${consumer_settings} -D KIND=default_build
   -D WORK=${CMAKE_CURRENT_BINARY_DIR}/default_build -P ${CMAKE_CURRENT_LIST_DIR}/consumer.cmake)
 
 # Every C++ snippet of the README is compiled and run.
 include(build/readme_snippets.cmake)
+
+set_tests_properties(layers layers_can_fail umbrella_is_complete version_is_one PROPERTIES LABELS quick)

@@ -2,6 +2,7 @@
 #
 # Builds and runs a project that uses alcap, as ctest calls it: cmake -D KIND=... -P consumer.cmake.
 #   find_package   installs alcap to a fresh folder, moves that folder, and finds it there
+#   pkg_config     installs it likewise, and compiles by what pkg-config says
 #   subdirectory   add_subdirectory(alcap) in a parent that checks that nothing of it changed
 #   default_build  configures alcap alone without a build type and looks at the flags
 cmake_minimum_required(VERSION 3.25)
@@ -24,16 +25,39 @@ set(typed -D CMAKE_BUILD_TYPE=${CONFIG} -D CMAKE_CXX_FLAGS_${config_upper}=${FLA
 file(REMOVE_RECURSE ${WORK})
 set(project ${ALCAP_SOURCE}/tests/build/consumer_${KIND})
 
-if(KIND STREQUAL "find_package")
+if(KIND MATCHES "find_package|pkg_config")
   run(install ${CMAKE_COMMAND} --install ${ALCAP_BUILD} --config ${CONFIG} --prefix ${WORK}/first)
   file(RENAME ${WORK}/first ${WORK}/moved)
+endif()
+if(KIND STREQUAL "find_package")
   run(configure ${CMAKE_COMMAND} -S ${project} -B ${WORK}/build ${settings} ${typed}
     -D CMAKE_PREFIX_PATH=${WORK}/moved -D ALCAP_VERSION=${ALCAP_VERSION})
+elseif(KIND STREQUAL "pkg_config")
+  file(GLOB_RECURSE pc ${WORK}/moved/alcap.pc)
+  cmake_path(GET pc PARENT_PATH folder)
+  set(ENV{PKG_CONFIG_PATH} ${folder})
+  run(version ${PKG_CONFIG} --modversion alcap)
+  if(NOT output MATCHES "^${ALCAP_VERSION}\n$")
+    message(FATAL_ERROR "pkg-config knows another version: ${output}")
+  endif()
+  run(flags ${PKG_CONFIG} --cflags --libs alcap)
+  separate_arguments(flags UNIX_COMMAND "${FLAGS} ${output}")
+  if(NOT flags MATCHES "-I${WORK}/moved/" AND NOT flags MATCHES "-I${folder}")
+    message(FATAL_ERROR "pkg-config found another alcap: ${flags}")
+  endif()
+  cmake_path(GET folder PARENT_PATH libraries)
+  file(MAKE_DIRECTORY ${WORK}/build)
+  run(compile ${CXX} -std=c++20 ${ALCAP_SOURCE}/tests/build/consumer.cpp -o ${WORK}/build/consumer ${flags}
+    -Wl,-rpath,${libraries})
 elseif(KIND STREQUAL "subdirectory")
+  # All of alcap is compiled once more: without optimisation, because what is tested is the embedding.
+  if(CONFIG STREQUAL "Release")
+    list(APPEND typed -D "CMAKE_CXX_FLAGS_RELEASE=-O0 -DNDEBUG" -D ALCAP_HARDENED=OFF)
+  endif()
   run(configure ${CMAKE_COMMAND} -S ${project} -B ${WORK}/build ${settings} ${typed} -D ALCAP_SOURCE=${ALCAP_SOURCE})
 elseif(KIND STREQUAL "default_build")
   run(configure ${CMAKE_COMMAND} -S ${ALCAP_SOURCE} -B ${WORK}/build ${settings}
-    -D ALCAP_BUILD_TESTS=OFF -D ALCAP_BUILD_APPS=OFF)
+    -D ALCAP_BUILD_TESTS=OFF -D ALCAP_BUILD_APPS=OFF -D ALCAP_UNITY=OFF)  # a command for every file
   file(STRINGS ${WORK}/build/compile_commands.json commands REGEX "\"command\":.*src/base/version.cpp")
   if(NOT commands MATCHES " -O3 .*-DNDEBUG")
     message(FATAL_ERROR "a configure without a build type does not optimise: ${commands}")
@@ -41,6 +65,9 @@ elseif(KIND STREQUAL "default_build")
   message(STATUS "default flags: ok")
   return()
 endif()
-run(build ${CMAKE_COMMAND} --build ${WORK}/build --config ${CONFIG})
+if(NOT KIND STREQUAL "pkg_config")
+  cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+  run(build ${CMAKE_COMMAND} --build ${WORK}/build --config ${CONFIG} -j ${cores})
+endif()
 run(run ${CMAKE_COMMAND} -E chdir ${WORK} ${WORK}/build/consumer)
 message(STATUS "${output}")

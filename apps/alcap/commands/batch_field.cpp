@@ -6,7 +6,6 @@
 #include <dlfcn.h>
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -18,6 +17,7 @@
 
 #include "alcap/batch.h"
 #include "alcap/memory.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/report.h"
 
@@ -138,7 +138,7 @@ void one_thread_for_blas() {
 
 }  // namespace
 
-void add_batch_options(CLI::App& app, BatchChoice& choice) {
+void add_batch_options(cli::App& app, BatchChoice& choice) {
   app.add_option(
          "--batch", choice.list,
          "Instead of MESH: a file with the path of a mesh in each line. One JSON line per mesh goes to stdout; a "
@@ -148,7 +148,7 @@ void add_batch_options(CLI::App& app, BatchChoice& choice) {
   app.add_option("-j,--jobs", choice.jobs, "Meshes of the batch at a time, each on one thread; 0 for all threads")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(0, 4096))
+      ->check(cli::Range(0, 4096))
       ->group("Batch");
   app.add_option("--lines", choice.lines, "Write the JSON lines of the batch to this file")
       ->type_name("FILE")

@@ -20,7 +20,7 @@ struct BatchChoice {
 };
 
 /// Adds --batch, --jobs and --lines.
-void add_batch_options(CLI::App& app, BatchChoice& choice);
+void add_batch_options(cli::App& app, BatchChoice& choice);
 
 /// Computes all meshes of the list. How a mesh is read and repaired is in `mesh`, without its path.
 [[nodiscard]] Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const FieldRunOptions& field,

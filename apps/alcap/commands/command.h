@@ -13,7 +13,7 @@
 
 #include "apps/alcap/report/progress.h"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's name
+namespace alcap::app::cli {
 class App;
 }
 
@@ -74,7 +74,7 @@ struct Command {
   const char* summary;  ///< one line for `alcap --help`
   bool computes;        ///< whether it takes --threads and --report
   /// Adds its options to `app`; the function it returns runs the command once they are parsed.
-  std::function<Outcome(const Common&, Progress&)> (*attach)(CLI::App& app);
+  std::function<Outcome(const Common&, Progress&)> (*attach)(cli::App& app);
 };
 
 }  // namespace alcap::app

@@ -3,12 +3,12 @@
 // design_command.cpp: `alcap design`, from a design file or flags to the field that has what was asked for.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 
 #include "alcap/design_run.h"
 #include "alcap/memory.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/design_options.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/design_report.h"
@@ -159,7 +159,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   return outcome;
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<DesignOptionsGiven>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
@@ -173,7 +173,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
   app.add_option("--solver", options->solver, "Linear solver; auto picks by size")
       ->type_name("NAME")
       ->capture_default_str()
-      ->check(CLI::IsMember(names))
+      ->check(cli::IsMember(names))
       ->group("Solver");
   return [options](const Common&, Progress& progress) { return run(*options, progress); };
 }

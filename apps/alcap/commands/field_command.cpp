@@ -3,7 +3,6 @@
 // field_command.cpp: `alcap field`, from a mesh to the smoothest n-field, its files and its certificate.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <map>
 #include <memory>
@@ -12,6 +11,7 @@
 #include "alcap/memory.h"
 #include "apps/alcap/commands/batch_field.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/page/view_scene.h"
@@ -133,7 +133,7 @@ Outcome run(FieldOptions options, Progress& progress) {
     report["files"].push_back(options.html.string());
   }
 
-  for (const std::string& file : write_pictures(output, options.picture)) report["files"].push_back(file);
+  for (const std::string& picture : write_pictures(output, options.picture)) report["files"].push_back(picture);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = summary(options, outcome.report);
@@ -156,7 +156,7 @@ Outcome run_batch_of(FieldOptions options, const Common& common) {
   return run_field_batch(options.batch, options.mesh, options.run, common);
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<FieldOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
@@ -166,7 +166,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
                  "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal; any n >= 1")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+      ->check(cli::Range(1, 1000));
   add_files_options(app, options->files);
   app.add_option("--html", options->html, "Also write a page that shows the field in any browser, in one file")
       ->type_name("FILE");
@@ -176,7 +176,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
                  "Which smoothness, in [-1, 1]: 0 Dirichlet, 1 favours holomorphic, -1 antiholomorphic fields")
       ->type_name("S")
       ->capture_default_str()
-      ->check(CLI::Range(-1.0, 1.0));
+      ->check(cli::Range(-1.0, 1.0));
   add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
   add_picture_options(app, options->picture);

@@ -4,12 +4,12 @@
 // computed.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <optional>
 
 #include "alcap/mesh_check.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/report.h"
 #include "apps/alcap/report/statistics.h"
@@ -170,7 +170,7 @@ Outcome run(const MeshChoice& choice, Progress& progress) {
   return outcome;
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto choice = std::make_shared<MeshChoice>();
   app.footer(footer);
   add_mesh_options(app, *choice);

@@ -4,12 +4,10 @@
 // failure) into stdout, stderr, a report file and an exit code. Subcommands print nothing themselves.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
 #include <memory>
 #include <new>
-#include <sstream>
 #include <string_view>
 #include <vector>
 
@@ -21,6 +19,7 @@
 #include "alcap/solve.h"
 #include "alcap/version.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/parallel.h"
@@ -49,24 +48,6 @@ std::string version_text() {
   return fmt::format("alcap {}\nsolvers: {}\ninstruction set: {} (this machine has {})\n", version(), solvers,
                      detail::name(detail::best_isa()), sets);
 }
-
-/// CLI11's help with descriptions wrapped to the width of a terminal.
-class WrappedHelp : public CLI::Formatter {
- public:
-  std::string make_option_desc(const CLI::Option* option) const override {
-    const std::size_t width = 100 - get_column_width();
-    std::string text, line;
-    std::istringstream words(CLI::Formatter::make_option_desc(option));
-    for (std::string word; words >> word;) {
-      if (!line.empty() && line.size() + 1 + word.size() > width) {
-        text += line + "\n";
-        line.clear();
-      }
-      line += (line.empty() ? "" : " ") + word;
-    }
-    return text + line;
-  }
-};
 
 void print(std::string_view text) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0) {
@@ -133,14 +114,14 @@ int run(const Command& command, const Common& common, const std::function<Outcom
   });
 }
 
-void add_common(const Command& command, CLI::App& app, Common& common) {
+void add_common(const Command& command, cli::App& app, Common& common) {
   app.add_flag("--json", common.json, "Print the report as JSON on stdout, and nothing else there")
       ->group("Common options");
   app.add_flag("-q,--quiet", common.quiet, "No summary, no progress; errors still go to stderr")
       ->group("Common options");
   if (!command.computes) return;
   app.add_option("--threads", common.threads, "Threads to use; 0 for all. Results do not depend on it")
-      ->check(CLI::Range(0, 4096))
+      ->check(cli::Range(0, 4096))
       ->group("Common options");
   app.add_option("--report", common.report, "Write the report (JSON) to this file")
       ->type_name("FILE")
@@ -159,8 +140,7 @@ void keep_freed_memory() {
 }
 
 int start(int argc, char** argv) {
-  CLI::App app(description, "alcap");
-  app.formatter(std::make_shared<WrappedHelp>());  // before the subcommands, which inherit it
+  cli::App app(description, "alcap");
   app.footer(footer);
   app.require_subcommand(0, 1);
   bool version = false;
@@ -168,7 +148,7 @@ int start(int argc, char** argv) {
 
   struct Entry {
     const Command* command;
-    CLI::App* app;
+    cli::App* app;
     Common common;
     std::function<Outcome(const Common&, Progress&)> body;
   };
@@ -186,12 +166,12 @@ int start(int argc, char** argv) {
   bool json = false;
   for (int k = 1; k < argc; ++k) json = json || std::string_view(argv[k]) == "--json";
   try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& e) {  // --help
-    return app.exit(e);
-  } catch (const CLI::ParseError& e) {
-    const auto parsed = app.get_subcommands();
-    const std::string name = parsed.empty() ? "" : parsed.front()->get_name();
+    if (const auto help = app.parse(argc, argv)) {
+      print(*help);
+      return 0;
+    }
+  } catch (const cli::ParseError& e) {
+    const std::string name = app.parsed_subcommand();
     return complain(name, json, Exit::usage,
                     fmt::format("{} (see alcap{}{} --help)", e.what(), name.empty() ? "" : " ", name));
   }

@@ -4,13 +4,13 @@
 // download.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <memory>
 
 #include "alcap/generators.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 
@@ -127,7 +127,7 @@ Outcome run(const MakeOptions& options) {
   return outcome;
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<MakeOptions>();
   std::string list;
   for (const Kind& k : kinds())

@@ -3,7 +3,6 @@
 // ops_command.cpp: `alcap ops`, derivatives and energies of a field in a file.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <memory>
 #include <string_view>
@@ -13,6 +12,7 @@
 #include "alcap/operators.h"
 #include "alcap/output.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
@@ -39,7 +39,7 @@ struct OpsOptions {
   std::filesystem::path output = {};
   OperatorKind kind = OperatorKind::edge;  // more accurate, and exact over patches
   bool density = false;
-  CLI::Option* given = nullptr;  // --connection, to see whether it was given
+  cli::Option* given = nullptr;  // --connection, to see whether it was given
 };
 
 /// Four integrals per face.
@@ -227,7 +227,7 @@ Outcome run(const OpsOptions& options, Progress& progress) {
   return outcome;
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<OpsOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
@@ -240,7 +240,7 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
          },
          "edge: from the boundary of each face (Stokes), sums telescope; triangle: from its inside")
       ->type_name("KIND")
-      ->check(CLI::IsMember({"edge", "triangle"}))
+      ->check(cli::IsMember({"edge", "triangle"}))
       ->default_str("edge");
   app.add_flag("--density", options->density, "Means per unit of area instead of integrals in the file");
   add_connection_options(app, options->connection);

@@ -4,11 +4,11 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <memory>
 
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/report/outputs.h"
@@ -86,7 +86,7 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
   return {.report = Json::object()};
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<StudioOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
@@ -95,10 +95,10 @@ std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
   app.add_option("-n", options->n, "Symmetry of a new design: 1 vectors, 2 lines, 4 crosses")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+      ->check(cli::Range(1, 1000));
   app.add_option("--port", options->port, "Port on 127.0.0.1; 0 for any that is free")
       ->type_name("PORT")
-      ->check(CLI::Range(0, 65535));
+      ->check(cli::Range(0, 65535));
   app.add_flag("--no-open", options->quiet_start, "Print the address and do not open a browser");
   return [options](const Common& common, Progress& progress) { return run(*options, common, progress); };
 }

@@ -3,12 +3,12 @@
 // tables_command.cpp: `alcap tables`, the accuracy tables of the paper measured on this machine.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <sstream>
 
 #include "alcap/memory.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/report.h"
 #include "apps/alcap/tables/tables.h"
 
@@ -99,7 +99,7 @@ Outcome run(TablesOptions options, Progress& progress) {
   return {.report = std::move(report), .text = text.str()};
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<TablesOptions>();
   app.footer(footer);
   app.add_option("--levels", options->levels, "Icosphere levels, coarse to fine")

@@ -3,7 +3,6 @@
 // view_command.cpp: `alcap view`, from a field that alcap wrote to a page that shows it in any browser.
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include "alcap/memory.h"
 #include "alcap/output.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/page/view_scene.h"
@@ -36,7 +36,7 @@ constexpr const char* footer =
 struct ViewOptions {
   std::filesystem::path field = {};
   ConnectionOptions connection = {};
-  CLI::Option* given = nullptr;       // --connection, to see whether it was given
+  cli::Option* given = nullptr;       // --connection, to see whether it was given
   std::filesystem::path output = {};  // none: no page
   PictureOptions picture = {};
   std::string title = {};
@@ -144,7 +144,7 @@ Outcome run(const ViewOptions& options, Progress& progress) {
   return outcome;
 }
 
-std::function<Outcome(const Common&, Progress&)> attach(CLI::App& app) {
+std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<ViewOptions>();
   app.footer(footer);
   app.add_option("field", options->field, "A .ply written by alcap field or alcap design, or the folder they wrote")

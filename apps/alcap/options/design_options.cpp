@@ -5,11 +5,11 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 
 namespace alcap::app {
@@ -45,7 +45,7 @@ class Parts {
     return value;
   }
   [[nodiscard]] double angle(std::size_t k) const { return k < size() ? number<double>(parts_[k]) : 0.0; }
-  [[noreturn]] void fail() const { throw CLI::ValidationError(option_, fmt::format("{} should be {}", whole_, form_)); }
+  [[noreturn]] void fail() const { throw cli::ValidationError(option_, fmt::format("{} should be {}", whole_, form_)); }
 
  private:
   const char* option_;
@@ -137,7 +137,7 @@ DesignGuidance parse_guidance(const std::string& text) {
     if (error == std::errc() && stop == end) what = text.substr(0, colon);
   }
   if (!(guidance.weight > 0) || !std::isfinite(guidance.weight) || what.empty())
-    throw CLI::ValidationError("--guidance",
+    throw cli::ValidationError("--guidance",
                                text + " should be FIELD.ply, smoothest, curvature or zero, then :WEIGHT above 0");
   if (what == "smoothest") {
     guidance.source = DesignGuidance::Source::smoothest;
@@ -156,7 +156,7 @@ DesignGuidance parse_guidance(const std::string& text) {
 
 using Texts = std::vector<std::string>;
 
-CLI::Option* add_list(CLI::App& app, const char* option, const char* form, const char* help,
+cli::Option* add_list(cli::App& app, const char* option, const char* form, const char* help,
                       std::function<void(const std::string&)> take) {
   return app
       .add_option_function<Texts>(
@@ -170,7 +170,7 @@ CLI::Option* add_list(CLI::App& app, const char* option, const char* form, const
       ->group("Controls");
 }
 
-void add_singularities(CLI::App& app, DesignFlags& flags, const char* option, SingularityKind kind, const char* help) {
+void add_singularities(cli::App& app, DesignFlags& flags, const char* option, SingularityKind kind, const char* help) {
   add_list(app, option, "FACE[:ANGLE]", help, [&flags, option, kind](const std::string& text) {
     const Parts parts(option, "FACE or FACE:ANGLE, such as 12:30 (degrees)", text);
     parts.expect(1, 2);
@@ -181,12 +181,12 @@ void add_singularities(CLI::App& app, DesignFlags& flags, const char* option, Si
 
 }  // namespace
 
-void add_design_options(CLI::App& app, DesignFlags& flags) {
+void add_design_options(cli::App& app, DesignFlags& flags) {
   app.add_option("--design", flags.file, "The design as JSON (docs/design.md); flags add to it")->type_name("FILE");
   app.add_option("-n,-r,--degree,--rosy", flags.n,
                  "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal. Default: the design file's, or 1")
       ->type_name("N")
-      ->check(CLI::Range(1, 1000));
+      ->check(cli::Range(1, 1000));
   add_singularities(app, flags, "--source", SingularityKind::source,
                     "Singularity of index +1/n in this face. n = 1: a source that ANGLE (degrees) turns into a "
                     "spiral; otherwise ANGLE is the direction of a branch, from the face's first edge");
@@ -215,7 +215,7 @@ void add_design_options(CLI::App& app, DesignFlags& flags) {
   app.add_option("--strength", flags.strength, "Of the singularities given as flags; 1 holds against unit guidance")
       ->type_name("X")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(cli::PositiveNumber)
       ->group("Controls");
   app.add_flag("--pin", flags.pin, "Zeros of the singularities given as flags lie at the centers of their faces")
       ->group("Controls");
@@ -260,11 +260,11 @@ void add_design_options(CLI::App& app, DesignFlags& flags) {
          "variational: one linear solve, every control; eigen: the smoothest field with these singularities and "
          "strokes. Default: the design file's, or variational")
       ->type_name("METHOD")
-      ->check(CLI::IsMember({"variational", "eigen"}))
+      ->check(cli::IsMember({"variational", "eigen"}))
       ->group("Solver");
   app.add_option("-s,--energy", flags.s, "Energy family in [-1, 1]: 0 Dirichlet, 1 holomorphic, -1 antiholomorphic")
       ->type_name("S")
-      ->check(CLI::Range(-1.0, 1.0))
+      ->check(cli::Range(-1.0, 1.0))
       ->group("Solver");
   add_connection_options(app, flags.connection);
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };

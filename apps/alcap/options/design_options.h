@@ -33,7 +33,7 @@ struct DesignFlags {
 };
 
 /// Adds --design, -n, --source ... --guidance, --method and the connection options.
-void add_design_options(CLI::App& app, DesignFlags& flags);
+void add_design_options(cli::App& app, DesignFlags& flags);
 
 /// The design file, if any, with what the flags add (controls, cones) and replace (n, connection, guidance). Throws
 /// FileError and OptionError.

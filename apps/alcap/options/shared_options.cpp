@@ -3,18 +3,18 @@
 // shared_options.cpp: groups of options that several subcommands have.
 #include "apps/alcap/options/shared_options.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <map>
 
 #include "alcap/solve.h"
+#include "apps/alcap/options/cli.h"
 
 namespace alcap::app {
 namespace {
 
-/// A whole number, or a decimal one, that is all of `text`. Throws CLI::ValidationError.
+/// A whole number, or a decimal one, that is all of `text`. Throws cli::ValidationError.
 template <class T>
 T parse_number(const std::string& whole, const std::string& text) {
   T value{};
@@ -22,7 +22,7 @@ T parse_number(const std::string& whole, const std::string& text) {
   const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end) {
-    throw CLI::ValidationError("--cone", whole + " should be VERTEX:INDEX, such as 12:1/4 or 7:-0.5");
+    throw cli::ValidationError("--cone", whole + " should be VERTEX:INDEX, such as 12:1/4 or 7:-0.5");
   }
   return value;
 }
@@ -35,13 +35,13 @@ Cone parse_cone(const std::string& text) {
   Cone cone{.vertex = parse_number<Index>(text, text.substr(0, colon)),
             .index = parse_number<double>(text, index.substr(0, slash))};
   if (slash < index.size()) cone.index /= parse_number<Index>(text, index.substr(slash + 1));
-  if (!std::isfinite(cone.index)) throw CLI::ValidationError("--cone", text + " has no finite index");
+  if (!std::isfinite(cone.index)) throw cli::ValidationError("--cone", text + " has no finite index");
   return cone;
 }
 
 }  // namespace
 
-void add_mesh_options(CLI::App& app, MeshChoice& choice) {
+void add_mesh_options(cli::App& app, MeshChoice& choice) {
   app.add_option("mesh", choice.path, "Triangle mesh: OBJ, OFF, PLY or STL")->required()->type_name("MESH");
   const std::map<std::string, Repair> repairs{{"orient", Repair::orient}, {"weld", Repair::weld}};
   app.add_option_function<std::vector<std::string>>(
@@ -52,13 +52,13 @@ void add_mesh_options(CLI::App& app, MeshChoice& choice) {
          "orient: turn faces so that neighbours agree; weld: join vertices at the same position. "
          "May be given twice; numbers never change")
       ->type_name("REPAIR")
-      ->check(CLI::IsMember({"orient", "weld"}))
+      ->check(cli::IsMember({"orient", "weld"}))
       ->delimiter(',')
       ->allow_extra_args(false)
       ->group("Mesh");
   app.add_option("--input-format", choice.format, "Read MESH as this format instead of recognising it")
       ->type_name("FORMAT")
-      ->check(CLI::IsMember(mesh_formats()))
+      ->check(cli::IsMember(mesh_formats()))
       ->group("Mesh");
   app.add_flag("--refuse-polygons", choice.refuse_polygons, "Stop at faces of more than three corners")->group("Mesh");
 }
@@ -69,7 +69,7 @@ MeshFile read_choice(const MeshChoice& choice) {
                                  .format = choice.format});
 }
 
-void add_connection_options(CLI::App& app, ConnectionOptions& options) {
+void add_connection_options(cli::App& app, ConnectionOptions& options) {
   app.add_option_function<std::string>(
          "--connection",
          [&options](const std::string& name) {
@@ -83,7 +83,7 @@ void add_connection_options(CLI::App& app, ConnectionOptions& options) {
          "local: its cheap approximation; polar: the classical geodesic polar map; polar-barycenter: to reproduce "
          "published tables; trivial: flat but for the vertices given by --cone")
       ->type_name("KIND")
-      ->check(CLI::IsMember({"global", "local", "polar", "polar-barycenter", "trivial"}))
+      ->check(cli::IsMember({"global", "local", "polar", "polar-barycenter", "trivial"}))
       ->default_str("global")
       ->group("Connection");
   app.add_option_function<std::vector<std::string>>(
@@ -107,18 +107,18 @@ void add_connection_options(CLI::App& app, ConnectionOptions& options) {
          "auto-balance: add cones of +-1/n to those of --cone, where the curvature is, until they sum to the Euler "
          "characteristic")
       ->type_name("auto-balance")
-      ->check(CLI::IsMember({"auto-balance"}))
+      ->check(cli::IsMember({"auto-balance"}))
       ->group("Connection");
   app.add_option("--detail", options.global.detail,
                  "Of the global connection: below 1 the field ignores small bumps (fewer singularities), above 1 it "
                  "follows every detail")
       ->type_name("X")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(cli::PositiveNumber)
       ->group("Connection");
 }
 
-void add_eigen_options(CLI::App& app, EigenOptions& options) {
+void add_eigen_options(cli::App& app, EigenOptions& options) {
   std::vector<std::string> names{"auto"};
   for (const std::string& n : linear_solvers()) names.push_back(n);
   std::vector<std::string> methods{"auto"};
@@ -126,22 +126,22 @@ void add_eigen_options(CLI::App& app, EigenOptions& options) {
   app.add_option("--solver", options.solver, "Linear solver; auto picks by size")
       ->type_name("NAME")
       ->capture_default_str()
-      ->check(CLI::IsMember(names))
+      ->check(cli::IsMember(names))
       ->group("Solver");
   app.add_option("--method", options.method, "Eigensolver; auto picks by size")
       ->type_name("NAME")
       ->capture_default_str()
-      ->check(CLI::IsMember(methods))
+      ->check(cli::IsMember(methods))
       ->group("Solver");
   app.add_option("--tolerance", options.tolerance, "Relative residual of the eigenvector that is asked for and checked")
       ->type_name("X")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(cli::PositiveNumber)
       ->group("Solver");
   app.add_option("--max-iterations", options.max_iterations, "Give up after so many linear solves")
       ->type_name("N")
       ->capture_default_str()
-      ->check(CLI::PositiveNumber)
+      ->check(cli::PositiveNumber)
       ->group("Solver");
 }
 

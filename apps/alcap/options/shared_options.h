@@ -22,16 +22,16 @@ struct MeshChoice {
 };
 
 /// Adds MESH (positional), --repair, --input-format and --refuse-polygons.
-void add_mesh_options(CLI::App& app, MeshChoice& choice);
+void add_mesh_options(cli::App& app, MeshChoice& choice);
 
 /// Reads the mesh. Throws FileError.
 [[nodiscard]] MeshFile read_choice(const MeshChoice& choice);
 
 /// Adds --connection, --cone, --cones and --detail, which set kind, polar.center, cones, balance_cones and
 /// global.detail.
-void add_connection_options(CLI::App& app, ConnectionOptions& options);
+void add_connection_options(cli::App& app, ConnectionOptions& options);
 
 /// Adds --solver, --method, --tolerance and --max-iterations.
-void add_eigen_options(CLI::App& app, EigenOptions& options);
+void add_eigen_options(cli::App& app, EigenOptions& options);
 
 }  // namespace alcap::app

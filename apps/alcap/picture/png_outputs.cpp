@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
 // png_outputs.cpp: the options of pictures, and the curves that a picture and a file of curves share.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
+#include "apps/alcap/options/cli.h"
 #include "apps/alcap/picture/png_picture.h"
 #include "apps/alcap/report/outputs.h"
 
@@ -31,7 +31,7 @@ std::string check_picture_file(const std::string& name) {
 
 }  // namespace
 
-void add_picture_options(CLI::App& app, PictureOptions& options) {
+void add_picture_options(cli::App& app, PictureOptions& options) {
   app.add_option("--png", options.file, "A picture of the mesh, evenly spaced curves and the singularities")
       ->type_name("FILE")
       ->check(check_picture_file)
@@ -44,23 +44,23 @@ void add_picture_options(CLI::App& app, PictureOptions& options) {
       ->type_name("AZ,EL")
       ->delimiter(',')
       ->capture_default_str()
-      ->check(CLI::Range(-360.0, 360.0))
+      ->check(cli::Range(-360.0, 360.0))
       ->group("Picture");
   app.add_option_function<std::string>(
          "--up", [&options](const std::string& axis) { options.up = axis[0]; },
          "The axis of the mesh that points up in the picture: y (default) or z")
       ->type_name("AXIS")
-      ->check(CLI::IsMember({"y", "z"}))
+      ->check(cli::IsMember({"y", "z"}))
       ->group("Picture");
   app.add_option("--png-size", options.size, "Pixels of the picture, 1600,1200 unless told")
       ->type_name("W,H")
       ->delimiter(',')
-      ->check(CLI::Range(16, 8192))
+      ->check(cli::Range(16, 8192))
       ->group("Picture");
   app.add_option("--curve-spacing", options.spacing, "Distance of the curves, in diagonals of the mesh's box")
       ->type_name("D")
       ->capture_default_str()
-      ->check(CLI::Range(1e-4, 1.0))
+      ->check(cli::Range(1e-4, 1.0))
       ->group("Picture");
 }
 

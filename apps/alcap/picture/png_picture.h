@@ -15,7 +15,7 @@
 #include "alcap/singularities.h"
 #include "alcap/streamlines.h"
 
-namespace CLI {  // NOLINT(readability-identifier-naming): the library's name
+namespace alcap::app::cli {
 class App;
 }
 
@@ -42,7 +42,7 @@ struct PictureScene {
 };
 
 /// --png, --curves, --curve-spacing, --view, --up, --png-size.
-void add_picture_options(CLI::App& app, PictureOptions& options);
+void add_picture_options(cli::App& app, PictureOptions& options);
 
 /// Throws Failure when a picture was asked for and cannot be made here (built without, or no OpenGL at run time), or a
 /// file cannot be written. Quick: meant to be called before long work.

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "apps/alcap/report/field_files.h"
+#include "apps/alcap/options/cli.h"
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 
 namespace alcap::app {
 
-void add_files_options(CLI::App& app, FilesChoice& choice) {
+void add_files_options(cli::App& app, FilesChoice& choice) {
   app.add_option("-o,--output", choice.output,
                  "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
                  "written")

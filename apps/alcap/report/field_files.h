@@ -19,7 +19,7 @@ struct FilesChoice {
 };
 
 /// Adds -o and --formats.
-void add_files_options(CLI::App& app, FilesChoice& choice);
+void add_files_options(cli::App& app, FilesChoice& choice);
 
 /// The formats asked for, or all of them. Throws Failure(usage) for an unknown one.
 [[nodiscard]] std::vector<std::string> chosen_formats(const FilesChoice& choice);

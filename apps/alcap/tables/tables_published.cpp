@@ -8,7 +8,7 @@
 namespace alcap::app::published {
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double unpublished = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t vertex_counts[] = {162, 642, 2562, 10242};
 
 // Columns: polar map, locally optimal, globally optimal. Rows: the four spheres.
@@ -44,22 +44,23 @@ int column_of(std::string_view connection) { return connection == "local" ? 1 : 
 Operators operators(std::string_view sphere, std::int64_t vertices, std::string_view connection,
                     std::string_view kind) {
   const int row = row_of(sphere, vertices), column = column_of(connection);
-  if (row < 0 || kind != "edge") return {nan, nan, nan, nan, nan};
+  if (row < 0 || kind != "edge") return {unpublished, unpublished, unpublished, unpublished, unpublished};
   return {l2_div[row][column], l2_curl[row][column], linf_div[row][column], linf_curl[row][column],
           energy[row][column]};
 }
 
 double stiffness_energy(std::string_view sphere, std::int64_t vertices, std::string_view connection) {
   const int row = row_of(sphere, vertices);
-  if (row < 0 || connection == "polar-barycenter" || connection == "local") return nan;  // they share the polar rho
+  if (row < 0 || connection == "polar-barycenter" || connection == "local")
+    return unpublished;  // they share the polar rho
   return stiffness[row][connection == "global" ? 1 : 0];
 }
 
 Euler euler(std::string_view surface, std::int64_t vertices, std::string_view connection, std::string_view kind) {
   const int row = row_of(surface, vertices);
-  if (row < 0 || row > 2) return {nan, nan};
-  if (kind == "edge") return connection == "global" ? edge_based : Euler{nan, nan};
-  if (kind == "basis") return connection == "polar" ? area_based[row][3] : Euler{nan, nan};
+  if (row < 0 || row > 2) return {unpublished, unpublished};
+  if (kind == "edge") return connection == "global" ? edge_based : Euler{unpublished, unpublished};
+  if (kind == "basis") return connection == "polar" ? area_based[row][3] : Euler{unpublished, unpublished};
   return area_based[row][column_of(connection)];
 }
 

@@ -14,9 +14,9 @@ using detail::append_text;
 using detail::AtomicFile;
 using detail::write_rows;
 
-constexpr std::array names{"seed", "boundary", "singularity", "loop", "length", "separation", "stuck"};
+constexpr std::array end_names{"seed", "boundary", "singularity", "loop", "length", "separation", "stuck"};
 
-const char* name(CurveEnd end) { return names[static_cast<std::size_t>(end)]; }
+const char* name(CurveEnd end) { return end_names[static_cast<std::size_t>(end)]; }
 
 std::int64_t first(const CurveSet& curves, std::int64_t k) { return curves.offsets[static_cast<std::size_t>(k)]; }
 

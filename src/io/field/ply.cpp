@@ -30,7 +30,7 @@ std::string header(const FieldOutput& out) {
   return text;
 }
 
-WrittenFiles write(const FieldJob& job, const Target& target) {
+WrittenFiles write_ply(const FieldJob& job, const Target& target) {
   const FieldOutput& out = job.out;
   const Branches branches(out.field.n);
   WrittenFiles files = open_files({target.file});
@@ -57,6 +57,6 @@ WrittenFiles write(const FieldJob& job, const Target& target) {
 
 }  // namespace
 
-const OutputFormat ply_field_format = {"ply", false, write};
+const OutputFormat ply_field_format = {"ply", false, write_ply};
 
 }  // namespace alcap::detail

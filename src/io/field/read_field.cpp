@@ -52,7 +52,7 @@ struct Columns {
   std::size_t stride = 0;
   std::array<std::size_t, 8> at{};  // of the names below, in bytes
 };
-constexpr std::array<const char*, 8> names = {"u_re", "u_im", "axis_x", "axis_y", "axis_z", "nx", "ny", "nz"};
+constexpr std::array<const char*, 8> property_names = {"u_re", "u_im", "axis_x", "axis_y", "axis_z", "nx", "ny", "nz"};
 
 Columns find_columns(const Source& source, const PlyElement& vertex) {
   Columns columns;
@@ -63,10 +63,10 @@ Columns find_columns(const Source& source, const PlyElement& vertex) {
     start.push_back(columns.stride);
     columns.stride += size_of(p.type);
   }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const int found = vertex.find(names[i], names[i]);
+  for (std::size_t i = 0; i < property_names.size(); ++i) {
+    const int found = vertex.find(property_names[i], property_names[i]);
     if (found < 0 || vertex.properties[static_cast<std::size_t>(found)].type != PlyType::float64) {
-      fail(source, std::string("the vertices have no property double ") + names[i] +
+      fail(source, std::string("the vertices have no property double ") + property_names[i] +
                        "; only a .ply that write_field wrote holds a field");
     }
     columns.at[i] = start[static_cast<std::size_t>(found)];

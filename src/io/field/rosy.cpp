@@ -10,7 +10,7 @@
 namespace alcap::detail {
 namespace {
 
-WrittenFiles write(const FieldJob& job, const Target& target) {
+WrittenFiles write_rosy(const FieldJob& job, const Target& target) {
   const Field& field = job.at_faces();
   const Branches branches(field.n);
   WrittenFiles files = open_files({target.file});
@@ -30,6 +30,6 @@ WrittenFiles write(const FieldJob& job, const Target& target) {
 
 }  // namespace
 
-const OutputFormat rosy_format = {"rosy", true, write};
+const OutputFormat rosy_format = {"rosy", true, write_rosy};
 
 }  // namespace alcap::detail

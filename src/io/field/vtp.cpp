@@ -101,7 +101,7 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
                  {data, points, verts});
 }
 
-WrittenFiles write(const FieldJob& job, const Target& target) {
+WrittenFiles write_vtp(const FieldJob& job, const Target& target) {
   std::vector<std::int32_t> index(static_cast<std::size_t>(job.out.surface.mesh().faces()), 0);
   for (const Singularity& s : job.out.singularities) index[static_cast<std::size_t>(s.face)] = s.index;
 
@@ -113,6 +113,6 @@ WrittenFiles write(const FieldJob& job, const Target& target) {
 
 }  // namespace
 
-const OutputFormat vtp_format = {"vtp", false, write};
+const OutputFormat vtp_format = {"vtp", false, write_vtp};
 
 }  // namespace alcap::detail

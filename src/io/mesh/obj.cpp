@@ -21,7 +21,7 @@ constexpr std::array<std::string_view, 43> ignored_words = {
 
 bool is_ignored(std::string_view word) { return std::ranges::find(ignored_words, word) != ignored_words.end(); }
 
-bool recognise(std::string_view bytes) {
+bool recognise_obj(std::string_view bytes) {
   const Source source{"", bytes};
   Tokenizer in(source);
   if (!in.next_token()) return false;
@@ -45,7 +45,7 @@ void read_face(Tokenizer& in, Builder& mesh, std::vector<std::int64_t>& corners)
   mesh.face(corners, where);
 }
 
-MeshFile read(const Source& source, const ReadOptions& options) {
+MeshFile read_obj(const Source& source, const ReadOptions& options) {
   Tokenizer in(source);
   Builder mesh(source, options);
   std::vector<std::int64_t> corners;
@@ -70,7 +70,7 @@ MeshFile read(const Source& source, const ReadOptions& options) {
   return mesh.finish("obj");
 }
 
-void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
+void write_obj(AtomicFile& file, const Positions<double>& V, const Faces& F) {
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
     file.write("v");
     for (int c = 0; c < 3; ++c) file.write(" "), write_number(file, V(v, c));
@@ -85,6 +85,6 @@ void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
 
 }  // namespace
 
-const Format obj_format = {"obj", recognise, read, write};
+const Format obj_format = {"obj", recognise_obj, read_obj, write_obj};
 
 }  // namespace alcap::detail

@@ -19,7 +19,7 @@ bool is_keyword(std::string_view word) {
   return word.empty();
 }
 
-bool recognise(std::string_view bytes) {
+bool recognise_off(std::string_view bytes) {
   const Source source{"", bytes};
   Tokenizer in(source);
   return in.next_token() && is_keyword(in.word());
@@ -48,7 +48,7 @@ void read_header(Tokenizer& in, const Source& source, std::int64_t& vertices, st
   check_count(source, in.where(), faces, 8, "faces");        // "3 0 0 0\n"
 }
 
-MeshFile read(const Source& source, const ReadOptions& options) {
+MeshFile read_off(const Source& source, const ReadOptions& options) {
   Tokenizer in(source);
   Builder mesh(source, options);
   std::int64_t vertices = 0, faces = 0;
@@ -84,7 +84,7 @@ MeshFile read(const Source& source, const ReadOptions& options) {
   return mesh.finish("off");
 }
 
-void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
+void write_off(AtomicFile& file, const Positions<double>& V, const Faces& F) {
   file.write("OFF\n" + std::to_string(V.rows()) + " " + std::to_string(F.rows()) + " 0\n");
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
     for (int c = 0; c < 3; ++c) write_number(file, V(v, c)), file.write(c < 2 ? " " : "\n");
@@ -98,6 +98,6 @@ void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
 
 }  // namespace
 
-const Format off_format = {"off", recognise, read, write};
+const Format off_format = {"off", recognise_off, read_off, write_off};
 
 }  // namespace alcap::detail

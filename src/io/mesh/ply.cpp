@@ -15,7 +15,7 @@ namespace {
 // A broken list length must not make us allocate; longer lists of corners do not occur.
 constexpr std::int64_t longest_list = 1 << 24;
 
-bool recognise(std::string_view bytes) {
+bool recognise_ply(std::string_view bytes) {
   return bytes.starts_with("ply") && bytes.size() > 3 && (bytes[3] == '\n' || bytes[3] == '\r' || bytes[3] == ' ');
 }
 
@@ -135,7 +135,7 @@ class Reader {
   const char* where_ = nullptr;
 };
 
-MeshFile read(const Source& given, const ReadOptions& options) {
+MeshFile read_ply(const Source& given, const ReadOptions& options) {
   Source source = given;  // remembers where the binary part begins
   const PlyHeader header = read_ply_header(source);
   if (header.encoding == PlyEncoding::ascii) return Reader<PlyText>(source, header, options).run();
@@ -152,7 +152,7 @@ void write_value(AtomicFile& file, T value) {
   file.write({bytes.data(), bytes.size()});
 }
 
-void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
+void write_ply(AtomicFile& file, const Positions<double>& V, const Faces& F) {
   file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(V.rows()) +
              "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(F.rows()) +
              "\nproperty list uchar int vertex_indices\nend_header\n");
@@ -167,6 +167,6 @@ void write(AtomicFile& file, const Positions<double>& V, const Faces& F) {
 
 }  // namespace
 
-const Format ply_format = {"ply", recognise, read, write};
+const Format ply_format = {"ply", recognise_ply, read_ply, write_ply};
 
 }  // namespace alcap::detail

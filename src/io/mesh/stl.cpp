@@ -34,7 +34,7 @@ bool is_binary(std::string_view bytes) {
   return !starts_with_solid(bytes) || bytes.substr(0, 1024).find('\0') != std::string_view::npos;
 }
 
-bool recognise(std::string_view bytes) {
+bool recognise_stl(std::string_view bytes) {
   return (bytes.size() > header_bytes && binary_size(bytes) == bytes.size()) || starts_with_solid(bytes);
 }
 
@@ -146,13 +146,13 @@ MeshFile read_text(const Source& source, const ReadOptions& options) {
   return facets.mesh().finish("stl");
 }
 
-MeshFile read(const Source& given, const ReadOptions& options) {
+MeshFile read_stl(const Source& given, const ReadOptions& options) {
   Source source = given;  // remembers where the binary part begins
   return is_binary(source.bytes) ? read_binary(source, options) : read_text(source, options);
 }
 
 }  // namespace
 
-const Format stl_format = {"stl", recognise, read, nullptr};
+const Format stl_format = {"stl", recognise_stl, read_stl, nullptr};
 
 }  // namespace alcap::detail

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// A user of the installed library: the smoothest cross field on a small mesh of their own, then again with a linear
-// solver of their own.
+// A user of the library, installed or embedded: the smoothest cross field on a small mesh of their own, then again with
+// a linear solver of their own.
 #include <alcap/alcap.h>
 
 #include <Eigen/SparseCholesky>

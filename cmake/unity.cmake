@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: MIT
+#
+# Compiles the files of a folder together: headers are read and templates instantiated once a folder, which more than
+# halves a build from nothing. Editors and clang-tidy want every file on its own: -DALCAP_UNITY=OFF, as preset dev has.
+
+# alcap_unity(target): one translation unit per folder of the target's sources, or several of a folder with more than
+# 700 lines, so that all cores have work. The copies for an instruction set stay alone (they have flags of their own), and
+# so do generated files. A folder's files share one namespace, so what is local to a file needs a name of its own there.
+set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology|^solvers/eigenpair/|^commands/")
+function(alcap_unity target)
+  if(NOT ALCAP_UNITY)
+    return()
+  endif()
+  get_target_property(sources ${target} SOURCES)
+  get_target_property(folder_of_target ${target} SOURCE_DIR)
+  list(SORT sources)
+  set(last_folder)
+  foreach(source IN LISTS sources)
+    cmake_path(IS_ABSOLUTE source generated)
+    if(generated OR source MATCHES "${alcap_alone}" OR NOT source MATCHES "\\.cpp$")
+      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+      continue()
+    endif()
+    cmake_path(GET source PARENT_PATH folder)
+    if(NOT folder STREQUAL last_folder)
+      set(last_folder ${folder})
+      set(part 1)
+      set(lines 0)
+    endif()
+    file(STRINGS ${folder_of_target}/${source} text)
+    list(LENGTH text count)
+    math(EXPR lines "${lines} + ${count}")
+    if(lines GREATER 700)
+      math(EXPR part "${part} + 1")
+      set(lines ${count})
+    endif()
+    string(REPLACE / _ group ${folder})
+    set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${group}_${part})
+  endforeach()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+endfunction()
