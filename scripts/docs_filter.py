@@ -74,27 +74,34 @@ def plain(comment):
 
 
 def file_comment(name, lines):
-    """The comment on top of a header as a documentation block; indented lines are examples."""
-    out, code = ['/// @file', '///'], False
-    for i, line in enumerate(lines):
+    """The comment on top of a header as a documentation block of as many lines; indented lines are examples."""
+    out, code = [], False
+    for line in lines:
         body = line[2:]
-        indented = body.startswith('   ')
-        if indented and not code:
-            out.append('/// @code{.cpp}')
-            code = True
-        if code and not indented and body.strip():
-            out.append('/// @endcode')
+        if code and body.strip() and not body.startswith('   '):
+            out.append('/// @endcode ' + plain(body).strip())
             code = False
-        if i == 0:
-            body = re.sub(r'^ ' + re.escape(name) + r': ', ' ', body)
-            body = body[:1] + body[1:2].upper() + body[2:]
-        out.append('///' + (body if code else plain(body)))
+        elif body.startswith('   ') and not code:
+            # The mark takes the place of the empty line before, or goes in front.
+            if out and out[-1] == '///':
+                out[-1] = '/// @code{.cpp}'
+                out.append('///' + body)
+            else:
+                out.append('/// @code{.cpp}' + body)
+            code = True
+        else:
+            out.append('///' + (body if code else plain(body)))
     if code:
-        out.append('/// @endcode')
+        out[-1] += ' @endcode'
+    text = out[0][3:].strip()
+    if text.startswith(name + ': '):
+        text = text[len(name) + 2:]
+        out[0] = '/// ' + text[:1].upper() + text[1:]
     return out
 
 
 def filter_header(path, text):
+    """The same lines, so that Doxygen's warnings name the right ones."""
     lines = text.split('\n')
     start = 1
     while start < len(lines) and lines[start].strip() == '//':
@@ -102,7 +109,9 @@ def filter_header(path, text):
     end = start
     while end < len(lines) and lines[end].startswith('//'):
         end += 1
-    out = file_comment(os.path.basename(path), lines[start:end])
+    out = ['/// @file'] + ['///'] * (start - 1)
+    if end > start:
+        out += file_comment(os.path.basename(path), lines[start:end])
     member = re.compile(r'^(\s+[A-Za-z_][\w:<>,()& ]*\s[\w]+(?:\s*(?:=|\{)[^;]*)?;\s+)//(?!/)(.*)$')
     behind = False
     for line in lines[end:]:
