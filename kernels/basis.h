@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
-// basis.h: the basis Psi_i of one triangle and its covariant derivative at a point (LTGD 2016, Secs. 4.3 and 6.1).
+// basis.h: the basis Psi_i of one triangle (LTGD 2016, Sec. 4.3) and its covariant derivative (Sec. 6.1) at a point.
 //
 //   Psi_i = phi_i Phi_i,  Phi_i = exp(-i n (rho_i + tau_ij phi_j + tau_ik phi_k))
 //   nabla Psi_i = Phi_i (d phi_i - i n K phi_i (phi_j d phi_k - phi_k d phi_j))
 //
 // in the face frame. With D_1, D_2 the derivatives along its axes, div + i curl is D_1 - i D_2 and the reflected pair
-// D_1 + i D_2 (twice the Cauchy-Riemann derivative).
+// D_1 + i D_2, twice the Cauchy-Riemann derivative: the four parts of LTGD 2016, eq. 4.
 #pragma once
 
 #include "kernels/triangle_operators.h"

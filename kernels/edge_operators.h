@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // edge_operators.h: integrated div + i curl (P) and their reflected pair (Q) from boundary integrals, per halfedge
-// (LTGD 2016, Sec. 6.3, Stokes form).
+// (LTGD 2016, Sec. 6.3, edge-based integrals; App. A.2 the closed form, App. A.1 for n-fields).
 //
 // For an n-field in the frame of face t, (P u)_t = sum over its halfedges of p_start u_start + p_end u_end, and the
 // same with q. P u is an (n-1)-vector and Q u an (n+1)-vector in the face frame. Summed over any patch of a flat

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// exp_divided_differences.h: divided differences of exp at imaginary nodes, the closed form of integrals over a
-// triangle (Hermite-Genocchi):
+// exp_divided_differences.h: divided differences of exp at imaginary nodes, the closed form of the integrals over a
+// triangle of LTGD 2016, App. A.3, by the formula of Hermite and Genocchi:
 //
 //   int_t phi_i^a phi_j^b phi_k^c e^l = 2A a! b! c! exp[l_i (a+1 times), l_j (b+1 times), l_k (c+1 times)]
 //
@@ -9,7 +9,8 @@
 // Taylor series about the centre is summed: exp[w_a ... w_b] = sum_p h_p(w_a ... w_b) / (b-a+p)!, h_p the complete
 // homogeneous symmetric polynomial, whose truncation error is r^p / p! of the leading term for any coincidence of
 // nodes. Beyond, the argument is halved first and doubled back: the differences over all windows of a node sequence
-// are the entries of exp(Z), Z = diag(w) + the superdiagonal of ones, and exp(2Z) = exp(Z)^2.
+// are the entries of exp(Z), Z = diag(w) + the superdiagonal of ones, and exp(2Z) = exp(Z)^2 (McCurdy, Ng and Parlett
+// 1984).
 #pragma once
 
 #include "kernels/complex.h"

@@ -4,10 +4,11 @@
 //
 //   M_ij = e^{iR} (A/3) J_3(K);   psi(eps) = int_0^1 (1-x) e^{-i eps x} dx = conj J_1(eps);   S_ij uses J_1 ... J_5.
 //
-// J_k = k! phi_{k+1}(iK) with the phi functions of exponential integrators. Three ranges, chosen by |K| lane by lane:
-// Taylor up to `small`, Chebyshev in K^2 of the even and odd parts up to `large`, closed form beyond. The first two
-// give J_5 and go down, J_{k-1} = (1 + iK J_k) / k, the last gives J_0 and goes up, J_k = (k J_{k-1} - 1) / (iK);
-// each direction shrinks errors where it is used.
+// M and S: LTGD 2016, Sec. 6.2; psi: App. A.2. J_k = k! phi_{k+1}(iK) with the phi functions of exponential integrators
+// (Hochbruck and Ostermann 2010). Three ranges, chosen by |K| lane by lane (Sec. 6.3 and Knoeppel et al. 2013): Taylor
+// up to `small`, Chebyshev in K^2 of the even and odd parts up to `large`, closed form beyond. The first two give J_5
+// and go down, J_{k-1} = (1 + iK J_k) / k, the last gives J_0 and goes up, J_k = (k J_{k-1} - 1) / (iK); each direction
+// shrinks errors where it is used.
 #pragma once
 
 #include "kernels/complex.h"

@@ -1,6 +1,15 @@
 // SPDX-License-Identifier: MIT
 //
-// stiffness_mass.h: stiffness S and mass M of the basis Psi on one triangle (LTGD 2016, Secs. 4.3 and 6.2).
+// stiffness_mass.h: stiffness S and mass M of the basis Psi on one triangle (LTGD 2016, Sec. 6.2),
+//
+//   M_ij = int conj(Psi_i) Psi_j = int phi_i phi_j e^{i (K phi_k + R)},  S_ij = int conj(nabla Psi_i) . nabla Psi_j,
+//
+// with nabla Psi_i from Sec. 6.1. Integrating along phi_k = s leaves one integral over s (kernels/exp_integrals.h):
+//
+//   M_ij = e^{iR} (A/3) int_0^1 (1-s)^3 e^{iKs} ds
+//   S_ij = e^{iR} 2A int_0^1 (1-s) e^{iKs} { g_i.g_j - iK [ (1-s)^2 |g_k|^2 / 6 + s (1-s) (|g_i|^2 + |g_j|^2) / 2 ]
+//          - K^2 [ s (1-s)^3 |g_k|^2 / 12 + (1-s)^4 |g_k|^2 / 30 + s^2 (1-s)^2 g_i.g_j / 6 ] } ds
+//   S_ii = A |g_i|^2 + K^2 A / 90 (|g_j|^2 + |g_k|^2 - g_j.g_k),  g = d phi
 //
 // Entries are returned without the transport phase: the full ones are S_ij = e^{iR} off[c], M_ij = e^{iR} (...), with
 // i = c, j = c+1 and R = n rho_ij; row i, column j, and S_ji the conjugate. Then u* S u = int_t |nabla u|^2.
@@ -37,7 +46,7 @@ ALCAP_INLINE TriangleEntries<T> stiffness_mass(const T (&cot)[3], const T& area,
   const T K2 = K * K, K2_90 = K2 * T(V(1.0L / 90));
   // S_ij e^{-iR} = cot_k C + G_k D + (G_i + G_j) E with, for t = 1 - s,
   //   C = -int (t - K^2 s^2 t^3 / 6),  D = -int (iK t^3 / 3 + K^2 (s t^4 / 6 + t^5 / 15)),  E = -int iK s t^2,
-  // all times e^{iKs}, from 2A (1-s) {...} of the formula.
+  // all times e^{iKs}, from 2A (1-s) {...} of the formula above.
   const Cplx<T> s2t3 = J[3] - (J[4] + J[4]) + J[5];
   const Cplx<T> C = K2 * T(V(1.0L / 6)) * s2t3 - J[1];
   const Cplx<T> iD = (K * T(V(1.0L / 3))) * J[3];

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // triangle_operators.h: integrated div + i curl (P) and their reflected pair (Q) of the basis over one triangle
-// (LTGD 2016, Sec. 6.3 and App. A, area form).
+// (LTGD 2016, Sec. 6.3, triangle-based integrals, and App. A.3; App. A.1 for n-fields).
 //
 //   P_i = e^{-i n rho_i} int_t e^l (conj g_i - i K phi_i (phi_j conj g_k - phi_k conj g_j)), Q_i without conj,
 //   l = -i n (tau_ij phi_j + tau_ik phi_k)

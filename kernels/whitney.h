@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 //
-// whitney.h: the mass matrix of Whitney 1-forms on one triangle (LTGD 2016, Sec. 5.3, D_T).
+// whitney.h: the mass matrix of Whitney 1-forms on one triangle, for int_t omega ^ *omega (LTGD 2016, Secs. 5.2
+// and 5.3):
+//
+//   W_(ij)(kl) = A (I_ik g_j.g_l - I_il g_j.g_k - I_jk g_i.g_l + I_jl g_i.g_k),  I = (1 + delta) / 12,  g = d phi
 //
 // Row and column c belong to the halfedge from corner c to corner c+1; corner c+2 is opposite. With
 // A g_i.g_i = (cot_j + cot_k)/2 and A g_i.g_j = -cot_k/2 the area drops out: the matrix depends on angles alone.

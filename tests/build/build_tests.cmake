@@ -8,6 +8,19 @@ add_test(NAME layers COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR}
 add_test(NAME layers_can_fail COMMAND ${CMAKE_COMMAND} -D WORK=${CMAKE_CURRENT_BINARY_DIR}/layers_can_fail
   -P ${CMAKE_CURRENT_LIST_DIR}/check_layers_selftest.cmake)
 
+# What is compiled for wide registers shares no function with the rest.
+if(CMAKE_NM AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
+  foreach(set IN ITEMS avx2 avx512)
+    add_test(NAME simd_symbols_${set} COMMAND ${CMAKE_COMMAND} -D NM=${CMAKE_NM} -D SET=${set}
+      -D "OBJECT=$<FILTER:$<TARGET_OBJECTS:alcap>,INCLUDE,/src/simd/${set}[.]cpp>"
+      -P ${CMAKE_CURRENT_LIST_DIR}/check_simd_symbols.cmake)
+  endforeach()
+  add_test(NAME simd_symbols_can_fail COMMAND ${CMAKE_COMMAND} -D NM=${CMAKE_NM} -D SET=avx2
+    -D "OBJECT=$<FILTER:$<TARGET_OBJECTS:alcap>,INCLUDE,/src/simd/dispatch[.]cpp>"
+    -P ${CMAKE_CURRENT_LIST_DIR}/check_simd_symbols.cmake)
+  set_tests_properties(simd_symbols_can_fail PROPERTIES WILL_FAIL ON)
+endif()
+
 # alcap.h includes every public header.
 add_test(NAME umbrella_is_complete COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR}
   -P ${CMAKE_CURRENT_LIST_DIR}/check_umbrella.cmake)
