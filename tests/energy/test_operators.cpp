@@ -105,7 +105,7 @@ TEST_CASE("point evaluation: hat values at corners, derivatives equal finite dif
         CHECK(std::abs(value.derivative(w) - expected) * std::sqrt(c.geometry.area(t)) < 1e-9);
       }
       CHECK(std::abs(value.div_curl() - (value.d1 - I * value.d2)) < 1e-12 * std::abs(value.d1));
-      CHECK(Complex<double>(value.div(), value.curl()) == value.div_curl());
+      CHECK(C(value.div(), value.curl()) == value.div_curl());
       CHECK(std::abs(2.0 * value.cauchy_riemann() - (value.d1 + I * value.d2)) < 1e-12 * std::abs(value.d1));
     }
   }
