@@ -152,7 +152,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
   }
 
   [[nodiscard]] double residual_of(const Vector& x, const Eigen::Ref<const Vector>& b) const {
-    return residual<complex<double>>(A_, MatrixX<complex<double>>(x), MatrixX<complex<double>>(b));
+    return alcap::residual<complex<double>>(A_, MatrixX<complex<double>>(x), MatrixX<complex<double>>(b));
   }
 
   /// The factorisation that takes over, made when it is first needed.
