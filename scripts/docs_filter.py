@@ -100,6 +100,28 @@ def file_comment(name, lines):
     return out
 
 
+def function_name(lines):
+    """Of the declaration that starts at lines[0], or None."""
+    found = re.search(r'\b(\w+)\((?!\()', re.sub(r'template <.*?>\n|\[\[\w+\]\]|\w+\(x\)', '', '\n'.join(lines[:3])))
+    return found and found.group(1)
+
+
+def document_forms(lines):
+    """Several forms of a function stand under one comment, without an empty line between; Doxygen wants one for each."""
+    last, before = None, ''
+    for i, line in enumerate(lines):
+        starts = re.match(r' {0,2}(template <|\[\[nodiscard\]\]|[A-Za-z])', line) and '(' in ''.join(lines[i:i + 2])
+        if starts and re.search(r'[;}]$|///.*$', before.rstrip()) and not before.startswith('}'):
+            name = function_name(lines[i:])
+            if name and name == last and before.rstrip().endswith((';', '}')):
+                lines[i] = '/** The same in another form. */ ' + line
+            last = name
+        elif not line.strip():
+            last = None
+        before = line
+    return lines
+
+
 def filter_header(path, text):
     """The same lines, so that Doxygen's warnings name the right ones."""
     lines = text.split('\n')
@@ -126,7 +148,7 @@ def filter_header(path, text):
             behind = False
             code, marks, comment = line.partition('//')
             out.append(code + marks + plain(comment))
-    return '\n'.join(out)
+    return '\n'.join(document_forms(out))
 
 
 def main():
