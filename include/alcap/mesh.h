@@ -8,6 +8,7 @@
 //   Eigen::MatrixXi F = ...;                   // #F x 3, counter-clockwise
 //   alcap::Mesh mesh(F, V.rows());             // throws MeshError and names the elements if it cannot
 //   for (Index h = mesh.first(v); h != none; h = mesh.next_around(h, v)) { ... }   // the corners around v
+//   Index h = mesh.halfedge(i, j);             // from vertex i to vertex j, or none
 #pragma once
 
 #include <cstdint>
@@ -46,6 +47,12 @@ class Mesh {
   [[nodiscard]] Index edge(Index h) const { return edge_[h]; }
   /// The canonical halfedge of edge e.
   [[nodiscard]] Index halfedge(Index e) const { return edge_halfedge_[e]; }
+  /// The halfedge from vertex i to vertex j; `none` when no edge joins them, when i = j, and when the edge lies on the
+  /// boundary and its only halfedge runs from j to i. Throws OptionError for a number that is no vertex's. O(valence).
+  [[nodiscard]] Index halfedge(Index i, Index j) const;
+  /// The edge that joins vertices i and j, in either direction; `none` when there is none. Throws OptionError for a
+  /// number that is no vertex's. O(valence).
+  [[nodiscard]] Index edge(Index i, Index j) const;
   /// Whether h is the canonical halfedge of its edge.
   [[nodiscard]] bool canonical(Index h) const { return halfedge(edge(h)) == h; }
 
@@ -62,6 +69,8 @@ class Mesh {
   [[nodiscard]] bool boundary_halfedge(Index h) const { return twin(h) == none; }
   [[nodiscard]] bool boundary_vertex(Index v) const { return first(v) != none && twin(first(v)) == none; }
   [[nodiscard]] bool referenced(Index v) const { return first(v) != none; }
+  /// Throws OptionError for the argument `name` when v is the number of no vertex.
+  void check_vertex(const char* name, Index v) const;
 
   /// Calls body(h) for the halfedges that leave v, counter-clockwise.
   template <class Body>

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "alcap/mesh_check.h"
@@ -224,6 +225,26 @@ Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
 
   number_edges(twin_, edge_, edge_halfedge_);
   boundary_edges_ = static_cast<Index>(2 * std::int64_t{edges()} - halfedges());
+}
+
+void Mesh::check_vertex(const char* name, Index v) const {
+  if (v < 0 || v >= vertices())
+    throw OptionError(name, std::to_string(v), "there is no such vertex; the mesh has " + std::to_string(vertices()));
+}
+
+Index Mesh::halfedge(Index i, Index j) const {
+  check_vertex("i", i);
+  check_vertex("j", j);
+  for (Index h = first(i); h != none; h = next_around(h, i))
+    if (tip(h) == j) return h;
+  return none;
+}
+
+Index Mesh::edge(Index i, Index j) const {
+  const Index h = halfedge(i, j);
+  if (h != none) return edge(h);
+  const Index g = halfedge(j, i);
+  return g == none ? none : edge(g);
 }
 
 }  // namespace alcap

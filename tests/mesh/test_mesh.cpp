@@ -9,7 +9,7 @@
 #include "alcap/mesh.h"
 #include "alcap/mesh_check.h"
 #include "src/base/parallel.h"
-#include "tests/support/mesh_helpers.h"
+#include "tests/support/mesh_families.h"
 
 using namespace alcap;
 using namespace alcap::test;
@@ -111,6 +111,41 @@ TEST_CASE("half-edge identities hold on closed, open and mixed meshes") {
     CHECK(find_defects(s.F, s.V.rows()).empty());
     CHECK(find_defects(s.V, s.F).empty());
     check_identities(relabelled(s, random_order(s.V.rows(), 1), random_order(s.F.rows(), 2)));
+  }
+}
+
+TEST_CASE("halfedge(i, j) and edge(i, j) find what joins two vertices, and nothing else, for all pairs") {
+  for (const Family& family : mesh_families(2)) {
+    CAPTURE(family.name);
+    const Mesh mesh(family.surface.F, family.surface.V.rows() + 1);  // one vertex that no face uses
+    std::map<std::pair<Index, Index>, Index> halfedge;
+    for (Index h = 0; h < mesh.halfedges(); ++h) halfedge[{mesh.tail(h), mesh.tip(h)}] = h;
+    Index bad = 0;
+    for (Index i = 0; i < mesh.vertices(); ++i)
+      for (Index j = 0; j < mesh.vertices(); ++j) {
+        const auto there = halfedge.find({i, j}), back = halfedge.find({j, i});
+        const Index h = there == halfedge.end() ? none : there->second;
+        const Index g = back == halfedge.end() ? none : back->second;
+        bad += mesh.halfedge(i, j) != h;
+        bad += mesh.edge(i, j) != (h != none ? mesh.edge(h) : g != none ? mesh.edge(g) : none);
+      }
+    CHECK(bad == 0);
+  }
+}
+
+TEST_CASE("halfedge(i, j) and edge(i, j) refuse numbers of no vertex") {
+  const Mesh mesh(tetrahedron().F, 4);
+  for (const Index bad : {-1, 4}) {
+    CHECK_THROWS_AS(static_cast<void>(mesh.halfedge(bad, 0)), OptionError);
+    CHECK_THROWS_AS(static_cast<void>(mesh.halfedge(0, bad)), OptionError);
+    CHECK_THROWS_AS(static_cast<void>(mesh.edge(0, bad)), OptionError);
+  }
+  try {
+    static_cast<void>(mesh.halfedge(0, 4));
+    FAIL("accepted");
+  } catch (const OptionError& error) {
+    CHECK(error.field() == "j");
+    CHECK(error.value() == "4");
   }
 }
 
