@@ -12,14 +12,15 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <vector>
 
 #include "alcap/field.h"
+#include "alcap/surface_path.h"
 #include "alcap/topology.h"
 
 namespace alcap {
 
-class Surface;
 class ConnectedSurface;
 
 struct Singularity {
@@ -29,7 +30,15 @@ struct Singularity {
   /// Turn of the pattern around its own centre, radians, in the face's frame: theta in u ~ r exp(i(...)), see docs.
   double orientation = 0;
   bool located = false;  ///< whether the zero was found inside the face to rounding
+
+  [[nodiscard]] SurfacePoint point() const { return {face, barycentric}; }
 };
+
+/// Where a singularity lies in space. Throws OptionError when the surface has no such face or lies in no space. Takes
+/// nothing else: position(surface, {face, {b0, b1, b2}}) stays that of a SurfacePoint.
+[[nodiscard]] Eigen::RowVector3d position(const Surface& surface, const std::same_as<Singularity> auto& singularity) {
+  return position(surface, singularity.point());
+}
 
 struct IndexSum {
   std::int64_t sum = 0;       ///< sum of face counts (n-ths)

@@ -76,8 +76,16 @@ TEST_CASE("on closed and open surfaces the certificate holds and the indices sum
       CHECK(r["singularities"]["count"] == r["singularities"]["list"].size());
       for (const Json& s : r["singularities"]["list"]) {
         double total = 0;
-        for (const Json& b : s["barycentric"]) total += b.get<double>();
+        Eigen::RowVector3d xyz = Eigen::RowVector3d::Zero();
+        for (int c = 0; c < 3; ++c) {
+          const double b = s["barycentric"][c];
+          total += b;
+          xyz += b * mesh.surface.V.row(mesh.surface.F(s["face"].get<Index>(), c));
+        }
         CHECK(total == doctest::Approx(1));
+        REQUIRE(s["xyz"].size() == 3);
+        // The mesh went through a file.
+        for (int k = 0; k < 3; ++k) CHECK(std::abs(s["xyz"][k].get<double>() - xyz[k]) < 1e-12);
       }
       CHECK(r["peak_memory_bytes"] > 0);
       CHECK(r["times"]["total"].get<double>() >= r["times"]["eigen"].get<double>());

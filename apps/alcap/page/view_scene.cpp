@@ -26,13 +26,6 @@ std::vector<float> relative(const Positions<double>& points, const Eigen::RowVec
   return out;
 }
 
-Eigen::RowVector3d point_at(const FieldOutput& source, Index face, const std::array<double, 3>& b) {
-  Eigen::RowVector3d p = Eigen::RowVector3d::Zero();
-  for (Index c = 0; c < 3; ++c)
-    p += b[static_cast<std::size_t>(c)] * source.surface.V().row(source.surface.F()(face, c));
-  return p;
-}
-
 void add_lines(ViewPack& pack, const std::string& name, const std::string& offsets_name, const CurveSet& curves,
                const Eigen::RowVector3d& center) {
   pack.add(name, relative(curves.points, center));
@@ -99,7 +92,7 @@ void add_singularities(ViewPack& pack, const FieldOutput& source) {
   std::vector<float> singular, arms;
   std::vector<std::uint32_t> faces;
   for (const Singularity& s : source.singularities) {
-    const Eigen::RowVector3d p = point_at(source, s.face, s.barycentric) - center, normal = frames.N.row(s.face);
+    const Eigen::RowVector3d p = position(source.surface, s) - center, normal = frames.N.row(s.face);
     const auto number = static_cast<float>(faces.size());
     faces.push_back(static_cast<std::uint32_t>(s.face));
     for (const auto& x : {p, normal}) {

@@ -71,9 +71,10 @@ Json eigen_summary(const FieldRun& run, const FieldRunOptions& options) {
   return json;
 }
 
-Json singularity_json(const Singularity& s, Index component) {
+Json singularity_json(const Singularity& s, const Eigen::RowVector3d& xyz, Index component) {
   return {{"face", s.face},
           {"barycentric", {number(s.barycentric[0]), number(s.barycentric[1]), number(s.barycentric[2])}},
+          {"xyz", {number(xyz[0]), number(xyz[1]), number(xyz[2])}},
           {"index", s.index},
           {"orientation", number(s.orientation)},
           {"located", s.located},
@@ -265,7 +266,8 @@ Json singularities_json(const Surface& surface, int n, const std::vector<IndexSu
   Json list = Json::array();
   for (const Singularity& s : singularities) {
     positive += s.index > 0;
-    list.push_back(singularity_json(s, surface.topology().face_component[static_cast<std::size_t>(s.face)]));
+    list.push_back(
+        singularity_json(s, position(surface, s), surface.topology().face_component[static_cast<std::size_t>(s.face)]));
   }
   return {{"count", singularities.size()},
           {"positive", positive},

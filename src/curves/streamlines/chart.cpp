@@ -8,6 +8,8 @@
 #include <limits>
 #include <string>
 
+#include "src/connection/edge_to_face.h"
+
 namespace alcap::detail {
 namespace {
 
@@ -66,13 +68,9 @@ FaceChart Flow::chart(Index t, int sign) const {
 }
 
 Cplx Flow::across(Index h, double s) const {
-  // Along an edge the connection takes vectors from the edge into the face by rho_{e->t} = rho_{vi->t} - rho_{vi->e} +
-  // s (tau - eps); seen from the twin the edge points the other way.
-  const auto to_face = [&](Index g, double r) {
-    return connection_.rho_t[g] - connection_.rho_start(mesh_, g) +
-           r * (connection_.tau[g] - connection_.eps_along(mesh_, g));
-  };
-  return -kernels::unit(to_face(h, s) - to_face(mesh_.twin(h), 1 - s));
+  // Seen from the twin the edge points the other way.
+  return -kernels::unit(edge_to_face_at(mesh_, connection_, h, s) -
+                        edge_to_face_at(mesh_, connection_, mesh_.twin(h), 1 - s));
 }
 
 bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
@@ -110,15 +108,13 @@ bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector
     const Cplx turn = kernels::unit(geometry_.direction(g) + pi<double> - geometry_.direction(h));
     w = w * turn;
     turned = turned * turn;
-    at = {Mesh::face(g), on_halfedge(g, 1 - s)};
+    at = on_halfedge(g, 1 - s);
     entry = (g + 2) % 3;
   }
   return false;
 }
 
-Eigen::RowVector3d Flow::position(Index t, const Barycentric& b) const {
-  return b[0] * V_.row(mesh_.F()(t, 0)) + b[1] * V_.row(mesh_.F()(t, 1)) + b[2] * V_.row(mesh_.F()(t, 2));
-}
+Eigen::RowVector3d Flow::position(Index t, const Barycentric& b) const { return alcap::position(mesh_, V_, {t, b}); }
 
 Eigen::RowVector3d Flow::direction(const FaceChart& chart, const Cplx& v) const {
   return position(chart.face, {dot(chart.grad[0], v), dot(chart.grad[1], v), dot(chart.grad[2], v)});

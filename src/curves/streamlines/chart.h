@@ -99,14 +99,6 @@ struct FaceChart {
   return b;
 }
 
-/// The point of halfedge h at the fraction s, in the face of h.
-[[nodiscard]] inline Barycentric on_halfedge(Index h, double s) {
-  Barycentric b{};
-  b[static_cast<std::size_t>(h % 3)] = 1 - s;
-  b[static_cast<std::size_t>((h + 1) % 3)] = s;
-  return b;
-}
-
 /// A field on its surface, with what tracing needs to know of the whole. Refers to both. Checks its arguments: throws
 /// OptionError.
 class Flow {

@@ -273,7 +273,7 @@ class Tracer {
     const Index g = mesh_.twin(h);
     Cplx v = v_ * flow_.across(h, s);
     chart_ = flow_.chart(Mesh::face(g), sign_);
-    b_ = on_halfedge(g, 1 - s);
+    b_ = on_halfedge(g, 1 - s).barycentric;
     settle(v);
   }
   /// Makes v_ exactly a branch, and the last point a point of this face too.
@@ -301,7 +301,7 @@ class Tracer {
       const double to = to_tip ? std::min(s + stride, 1.0) : std::max(s - stride, 0.0);
       arc_ += std::abs(to - s) * length;
       s = to;
-      b_ = on_halfedge(g, s);
+      b_ = on_halfedge(g, s).barycentric;
       Cplx v;
       if (!RootNear(v_, flow_.n()).find(chart_.at(b_), v)) return end(CurveEnd::singularity);
       v_ = v;
@@ -338,7 +338,7 @@ class Tracer {
     constexpr double along_edge = 1e-9;  // radians
     if (mesh_.boundary_vertex(vertex) && excess > along_edge) return end_if_allowed(CurveEnd::boundary);
     chart_ = flow_.chart(Mesh::face(best), sign_);
-    b_ = on_halfedge(best, 0);
+    b_ = on_halfedge(best, 0).barycentric;
     settle(kernels::unit(angle - rho_t[best]));
     if (came_back(-1 - vertex, 0)) return end(CurveEnd::loop);
     if (excess < -along_edge) return true;

@@ -3,13 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <map>
-#include <queue>
 #include <string>
-#include <unordered_map>
 
-#include "alcap/surface.h"
+#include "alcap/shortest_path.h"
 #include "src/curves/strokes/trace.h"
 
 namespace alcap {
@@ -87,66 +83,7 @@ bool connected(const Mesh& mesh, Index from, Index to) {
   return false;
 }
 
-/// Halfedges of a shortest path of edges from a to b, in order; empty when there is none.
-std::vector<Index> shortest_path(const Mesh& mesh, const Geometry& geometry, Index a, Index b) {
-  struct Reached {
-    double distance = std::numeric_limits<double>::infinity();
-    Index from = none;  // a halfedge that points here, or away from here (its mirror) on a boundary
-  };
-  std::unordered_map<Index, Reached> reached;
-  using Entry = std::pair<double, Index>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  reached[a] = {0, none};
-  queue.emplace(0.0, a);
-  while (!queue.empty()) {
-    const double distance = queue.top().first;
-    const Index v = queue.top().second;
-    queue.pop();
-    if (v == b) break;
-    if (distance > reached[v].distance) continue;
-    const auto reach = [&](Index w, Index e) {
-      const double there = distance + geometry.length(e);
-      Reached& r = reached[w];
-      if (!(there < r.distance)) return;
-      r = {there, e};
-      queue.emplace(there, w);
-    };
-    Index last = none;
-    mesh.for_each_outgoing(v, [&](Index h) {
-      reach(mesh.tip(h), mesh.edge(h));
-      last = h;
-    });
-    if (mesh.boundary_vertex(v)) reach(mesh.tail(Mesh::prev(last)), mesh.edge(Mesh::prev(last)));
-  }
-  std::vector<Index> edges;
-  const auto found = reached.find(b);
-  if (found == reached.end()) return edges;
-  for (Index v = b; v != a;) {
-    const Index e = reached.at(v).from, h = mesh.halfedge(e);
-    edges.push_back(e);
-    v = mesh.tail(h) == v ? mesh.tip(h) : mesh.tail(h);
-  }
-  std::reverse(edges.begin(), edges.end());
-  return edges;
-}
-
 }  // namespace
-
-double SurfacePolyline::length() const {
-  double sum = 0;
-  for (const SurfaceSegment& s : segments) sum += s.length;
-  return sum;
-}
-
-SurfacePolyline SurfacePolyline::reversed() const {
-  SurfacePolyline out{segments, closed};
-  std::reverse(out.segments.begin(), out.segments.end());
-  for (SurfaceSegment& s : out.segments) {
-    std::swap(s.a, s.b);
-    s.tangent = -s.tangent;
-  }
-  return out;
-}
 
 SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<SurfacePoint>& points) {
   const Mesh& mesh = surface.mesh();
@@ -194,28 +131,14 @@ SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<
   for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
     const Index a = vertices[k], b = vertices[k + 1];
     if (a == b) continue;
-    Index direct = none;
-    mesh.for_each_outgoing(a, [&](Index h) {
-      if (mesh.tip(h) == b || mesh.tail(Mesh::prev(h)) == b) direct = mesh.edge(mesh.tip(h) == b ? h : Mesh::prev(h));
-    });
-    std::vector<Index> path;
-    if (direct != none) {
-      path.push_back(direct);
-    } else {
-      path = shortest_path(mesh, geometry, std::min(a, b), std::max(a, b));
-      if (a > b) std::reverse(path.begin(), path.end());
-    }
+    const std::vector<Index> path = mesh.edge(a, b) != none ? std::vector<Index>{a, b} : shortest_path(surface, a, b);
     if (path.empty())
       throw OptionError("vertices", std::to_string(a) + " and " + std::to_string(b),
                         "these vertices lie on different components of the mesh");
-    Index at = a;
-    for (const Index e : path) {
-      const Index h = mesh.halfedge(e);
-      detail::Step step{h / 3, {}, {}};
-      step.a[static_cast<std::size_t>(h % 3)] = 1;
-      step.b[static_cast<std::size_t>(Mesh::next(h) % 3)] = 1;
-      if (mesh.tail(h) != at) std::swap(step.a, step.b);
-      at = mesh.tail(h) == at ? mesh.tip(h) : mesh.tail(h);
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) {
+      const Index h = mesh.halfedge(mesh.edge(path[i], path[i + 1]));
+      detail::Step step{h / 3, detail::on_halfedge(h, 0).barycentric, detail::on_halfedge(h, 1).barycentric};
+      if (mesh.tail(h) != path[i]) std::swap(step.a, step.b);
       append(line, mesh, geometry, step);
     }
   }

@@ -20,12 +20,6 @@ using Point = Eigen::RowVector3d;
 // Distances to the plane, relative to the size of the numbers they come from, that are rounding.
 constexpr double on_plane = 1e-13;
 
-Point position(const Mesh& mesh, const Positions<double>& V, const SurfacePoint& p) {
-  Point x = Point::Zero();
-  for (Index c = 0; c < 3; ++c) x += p.barycentric[static_cast<std::size_t>(c)] * V.row(mesh.F()(p.face, c));
-  return x;
-}
-
 Point normal(const Mesh& mesh, const Positions<double>& V, Index t) {
   const Point a = V.row(mesh.F()(t, 0));
   return (Point(V.row(mesh.F()(t, 1))) - a).cross(Point(V.row(mesh.F()(t, 2))) - a).normalized();
@@ -76,13 +70,6 @@ class Cut {
   double rounding_ = 0;
 };
 
-std::array<double, 3> on_halfedge(Index h, double s) {
-  std::array<double, 3> b{};
-  b[static_cast<std::size_t>(h % 3)] = 1 - s;
-  b[static_cast<std::size_t>(Mesh::next(h) % 3)] = s;
-  return b;
-}
-
 std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const SurfacePoint& start,
                                       const std::vector<SurfacePoint>& ends) {
   std::vector<Step> steps;
@@ -96,10 +83,10 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
     const Index h = cut.exit(at.face);
     if (h == none) return std::nullopt;
     const double s = cut.crossing(h);
-    steps.push_back({at.face, at.barycentric, on_halfedge(h, s)});
+    steps.push_back({at.face, at.barycentric, on_halfedge(h, s).barycentric});
     const Index g = mesh.twin(h);
     if (g == none) return std::nullopt;
-    at = {g / 3, on_halfedge(g, 1 - s)};
+    at = on_halfedge(g, 1 - s);
   } while (at.face != start.face);
   return std::nullopt;
 }
@@ -113,7 +100,7 @@ std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& 
     if (zero(c + 1) && zero(c + 2)) {
       const Index v = mesh.F()(p.face, c);
       mesh.for_each_outgoing(v, [&](Index h) {
-        if (h / 3 != p.face) all.push_back({h / 3, on_halfedge(h, 0)});
+        if (h / 3 != p.face) all.push_back(on_halfedge(h, 0));
       });
       return all;
     }
@@ -148,7 +135,7 @@ std::optional<std::vector<Step>> trace(const Mesh& mesh, const Positions<double>
       for (const SurfacePoint& start : starts) {
         const Index h = cut.exit(start.face);
         if (h == none) continue;
-        const Point step = position(mesh, V, {start.face, on_halfedge(h, cut.crossing(h))}) - x;
+        const Point step = position(mesh, V, on_halfedge(h, cut.crossing(h))) - x;
         order.emplace_back(-step.dot(y - x) / std::max(step.norm(), 1e-12 * (y - x).norm()), &start);
       }
       std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });

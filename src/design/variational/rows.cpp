@@ -131,9 +131,7 @@ ControlLoad ControlLoads::along_points(const Stroke& stroke) const {
   std::vector<Eigen::RowVector3d> at;
   for (const SurfacePoint& p : stroke.points) {
     check_surface_point(mesh, p, "points");
-    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-    for (Index c = 0; c < 3; ++c) x += p.barycentric[static_cast<std::size_t>(c)] * V.row(mesh.F()(p.face, c));
-    at.push_back(x);
+    at.push_back(position(mesh, V, p));
   }
   ControlLoad out;
   for (std::size_t k = 0; k < at.size(); ++k) {

@@ -75,12 +75,7 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
   };
 
   const Section points{"Points", "", {array<double, 3>("Points", count, [&](std::int64_t i, double* x) {
-                         Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-                         for (int c = 0; c < 3; ++c) {
-                           sum += at(i).barycentric[static_cast<std::size_t>(c)] *
-                                  out.surface.V().row(out.surface.mesh().F()(at(i).face, c));
-                         }
-                         put_vector(x, sum);
+                         put_vector(x, position(out.surface, at(i)));
                        })}};
   const Section verts{"Verts", "", {counting("connectivity", 0), counting("offsets", 1)}};
   const Section data{

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: MIT
+//
+// surface_path.h: points of a surface, given in a face, and polylines on it, cut into segments that each lie inside one
+// face. strokes.h makes such polylines, transport.h carries vectors along them.
+//
+//   alcap::SurfacePoint p{12, {0.2, 0.3, 0.5}};
+//   Eigen::RowVector3d x = alcap::position(surface, p);
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "alcap/surface.h"
+
+namespace alcap {
+
+/// A point of the surface: barycentric coordinates, summing to 1, in a face.
+struct SurfacePoint {
+  Index face = none;
+  std::array<double, 3> barycentric{};
+};
+
+/// A straight piece of a path inside one face, of positive length.
+struct SurfaceSegment {
+  Index face = none;
+  std::array<double, 3> a{}, b{};  ///< barycentric coordinates of both ends, not negative, summing to 1
+  Complex<double> tangent = 1;     ///< unit direction from a to b in the face's frame (halfedge 3 t)
+  double length = 0;
+
+  /// Barycentric coordinates at the fraction s in [0, 1] of the way.
+  [[nodiscard]] std::array<double, 3> at(double s) const {
+    return {(1 - s) * a[0] + s * b[0], (1 - s) * a[1] + s * b[1], (1 - s) * a[2] + s * b[2]};
+  }
+};
+
+/// Segments in order: each starts where the one before ends, in the same face or across an edge, or, where the path
+/// passes through a vertex, in another face of that vertex.
+struct SurfacePolyline {
+  std::vector<SurfaceSegment> segments;
+  bool closed = false;  ///< the end is the start
+
+  [[nodiscard]] double length() const;
+  [[nodiscard]] SurfacePolyline reversed() const;
+};
+
+/// Where a point of the surface lies in space. Throws OptionError when there is no such face, and on a surface that
+/// lies in no space.
+[[nodiscard]] Eigen::RowVector3d position(const Surface& surface, const SurfacePoint& point);
+
+/// The same for inner loops, without the checks. V is #V x 3.
+[[nodiscard]] inline Eigen::RowVector3d position(const Mesh& mesh, const Positions<double>& V,
+                                                 const SurfacePoint& point) {
+  const auto& [t, b] = point;
+  return b[0] * V.row(mesh.F()(t, 0)) + b[1] * V.row(mesh.F()(t, 1)) + b[2] * V.row(mesh.F()(t, 2));
+}
+
+namespace detail {
+
+/// The point of halfedge h at the fraction s of the way to its tip, in the face of h.
+[[nodiscard]] inline SurfacePoint on_halfedge(Index h, double s) {
+  SurfacePoint p{Mesh::face(h), {}};
+  p.barycentric[static_cast<std::size_t>(h % 3)] = 1 - s;
+  p.barycentric[static_cast<std::size_t>(Mesh::next(h) % 3)] = s;
+  return p;
+}
+
+}  // namespace detail
+
+}  // namespace alcap
