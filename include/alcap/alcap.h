@@ -31,6 +31,7 @@
 #include "alcap/mesh_io.h"
 #include "alcap/operators.h"
 #include "alcap/output.h"
+#include "alcap/sharp_edges.h"
 #include "alcap/shortest_path.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"

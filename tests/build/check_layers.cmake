@@ -14,7 +14,7 @@ set(layers
   "solvers/linear          | solve backends"
   "solvers/multigrid       |"
   "solvers/eigenpair       |"
-  "src/mesh                | mesh_check mesh arrays generators topology geometry surface surface_path shortest_path"
+  "src/mesh                | mesh_check mesh arrays generators topology geometry surface surface_path shortest_path sharp_edges"
   "src/io/mesh             | mesh_io"
   "src/connection          | connection cones frames connected_surface"
   "src/energy              | operators assembly energies"

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: MIT
+#include "alcap/sharp_edges.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "src/base/parallel.h"
+
+namespace alcap {
+namespace {
+
+using Row = Eigen::RowVector3d;
+
+// An angle this little below a threshold is the threshold: right angles are found at 90 degrees wherever the model
+// lies.
+constexpr double angle_rounding = 1e-12;
+
+void check_space(const Surface& surface) {
+  if (!surface.in_space()) throw OptionError("surface", "edge lengths alone", "sharp edges need a surface in space");
+}
+
+void check_angle(const char* name, double angle) {
+  if (!(angle > 0 && angle <= pi<double>))
+    throw OptionError(name, std::to_string(angle), "an angle in radians, above 0 and at most pi");
+}
+
+bool is_edge(const Surface& surface, Index e) { return e >= 0 && e < surface.mesh().edges(); }
+
+[[noreturn]] void refuse_edge(const Surface& surface, const std::string& name, Index e) {
+  throw OptionError(name, std::to_string(e),
+                    "there is no such edge; the mesh has " + std::to_string(surface.mesh().edges()));
+}
+
+Row direction(const Surface& surface, Index from, Index to) {
+  return (surface.V().row(to) - surface.V().row(from)).stableNormalized();
+}
+
+Row normal(const Surface& surface, Index t) {
+  const auto& F = surface.F();
+  return direction(surface, F(t, 0), F(t, 1)).cross(direction(surface, F(t, 0), F(t, 2))).stableNormalized();
+}
+
+double fold(const Surface& surface, Index e) {
+  const Mesh& mesh = surface.mesh();
+  const Index h = mesh.halfedge(e), g = mesh.twin(h);
+  if (g == none) return 0;
+  const Row m = normal(surface, Mesh::face(h)), n = normal(surface, Mesh::face(g));
+  return std::atan2(direction(surface, mesh.tail(h), mesh.tip(h)).dot(m.cross(n)), m.dot(n));
+}
+
+/// The feature edges at each vertex, in ascending order.
+class Incidence {
+ public:
+  Incidence(const Mesh& mesh, const std::vector<Index>& edges)
+      : mesh_(mesh), offset_(static_cast<std::size_t>(mesh.vertices()) + 1, 0), edge_(2 * edges.size()) {
+    for (const Index e : edges)
+      for (const Index v : ends(e)) ++offset_[static_cast<std::size_t>(v) + 1];
+    for (std::size_t v = 1; v < offset_.size(); ++v) offset_[v] += offset_[v - 1];
+    std::vector<std::size_t> next(offset_.begin(), offset_.end() - 1);
+    for (const Index e : edges)
+      for (const Index v : ends(e)) edge_[next[static_cast<std::size_t>(v)]++] = e;
+  }
+  [[nodiscard]] std::span<const Index> at(Index v) const {
+    const auto i = static_cast<std::size_t>(v);
+    return std::span(edge_).subspan(offset_[i], offset_[i + 1] - offset_[i]);
+  }
+  [[nodiscard]] Index other_end(Index e, Index v) const {
+    const auto [a, b] = ends(e);
+    return a == v ? b : a;
+  }
+
+ private:
+  [[nodiscard]] std::array<Index, 2> ends(Index e) const {
+    const Index h = mesh_.halfedge(e);
+    return {mesh_.tail(h), mesh_.tip(h)};
+  }
+
+  const Mesh& mesh_;
+  std::vector<std::size_t> offset_;
+  std::vector<Index> edge_;
+};
+
+FeatureVertex kind(const Surface& surface, const Incidence& incidence, Index v, double corner_angle) {
+  const auto edges = incidence.at(v);
+  if (edges.empty()) return FeatureVertex::smooth;
+  if (edges.size() == 1) return FeatureVertex::end;
+  if (edges.size() > 2) return FeatureVertex::corner;
+  const Row in = -direction(surface, v, incidence.other_end(edges[0], v));
+  const Row out = direction(surface, v, incidence.other_end(edges[1], v));
+  const double turn = std::atan2(in.cross(out).norm(), in.dot(out));
+  return turn >= corner_angle - angle_rounding ? FeatureVertex::corner : FeatureVertex::crease;
+}
+
+/// Chains, each edge in one.
+class Chains {
+ public:
+  Chains(const Mesh& mesh, const Incidence& incidence, FeatureGraph& graph)
+      : mesh_(mesh), incidence_(incidence), graph_(graph), used_(static_cast<std::size_t>(mesh.edges()), false) {}
+
+  void collect() {
+    for (Index v = 0; v < mesh_.vertices(); ++v)
+      if (!passes(v))
+        for (const Index e : incidence_.at(v)) follow(v, e);
+    for (const Index e : graph_.edges) follow(mesh_.tail(mesh_.halfedge(e)), e);
+  }
+
+ private:
+  [[nodiscard]] bool passes(Index v) const {
+    return graph_.vertices[static_cast<std::size_t>(v)] == FeatureVertex::crease;
+  }
+
+  /// The chain that leaves `start` by edge e, unless e is in a chain already.
+  void follow(Index start, Index e) {
+    if (used_[static_cast<std::size_t>(e)]) return;
+    FeatureLine line{{start}, {}, false};
+    for (Index v = start; e != none;) {
+      used_[static_cast<std::size_t>(e)] = true;
+      v = incidence_.other_end(e, v);
+      line.edges.push_back(e);
+      line.vertices.push_back(v);
+      if (!passes(v) || v == start) break;
+      const auto here = incidence_.at(v);
+      e = here[0] == e ? here[1] : here[0];
+    }
+    line.closed = line.vertices.back() == start;
+    graph_.lines.push_back(std::move(line));
+  }
+
+  const Mesh& mesh_;
+  const Incidence& incidence_;
+  FeatureGraph& graph_;
+  std::vector<bool> used_;
+};
+
+}  // namespace
+
+double dihedral_angle(const Surface& surface, Index e) {
+  check_space(surface);
+  if (!is_edge(surface, e)) refuse_edge(surface, "e", e);
+  return fold(surface, e);
+}
+
+FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges, double corner_angle) {
+  check_space(surface);
+  check_angle("corner_angle", corner_angle);
+  for (std::size_t k = 0; k < edges.size(); ++k)
+    if (!is_edge(surface, edges[k])) refuse_edge(surface, "edges[" + std::to_string(k) + "]", edges[k]);
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+
+  const Mesh& mesh = surface.mesh();
+  FeatureGraph graph{.edges = std::move(edges), .angles = {}, .vertices = {}, .lines = {}};
+  for (const Index e : graph.edges) graph.angles.push_back(fold(surface, e));
+  const Incidence incidence(mesh, graph.edges);
+  for (Index v = 0; v < mesh.vertices(); ++v) graph.vertices.push_back(kind(surface, incidence, v, corner_angle));
+  Chains(mesh, incidence, graph).collect();
+  return graph;
+}
+
+FeatureGraph sharp_edges(const Surface& surface, const SharpEdgeOptions& options) {
+  check_space(surface);
+  check_angle("angle", options.angle);
+  const Mesh& mesh = surface.mesh();
+  std::vector<char> sharp(static_cast<std::size_t>(mesh.edges()));
+  parallel_for(mesh.edges(), [&](std::int64_t i) {
+    const auto e = static_cast<Index>(i);
+    sharp[static_cast<std::size_t>(i)] = mesh.boundary_halfedge(mesh.halfedge(e))
+                                             ? options.boundary
+                                             : std::abs(fold(surface, e)) >= options.angle - angle_rounding;
+  });
+  std::vector<Index> edges;
+  for (Index e = 0; e < mesh.edges(); ++e)
+    if (sharp[static_cast<std::size_t>(e)] != 0) edges.push_back(e);
+  return feature_graph(surface, std::move(edges), options.corner_angle);
+}
+
+}  // namespace alcap
