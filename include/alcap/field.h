@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "alcap/connected_surface.h"
 #include "alcap/frames.h"
 
 namespace alcap {
@@ -44,5 +45,16 @@ struct Field {
 /// `frames` of the result are those of the faces. Throws OptionError on a surface that lies in no space and when the
 /// field has not one value per vertex.
 [[nodiscard]] Field at_faces(const ConnectedSurface& surface, const Field& field);
+
+/// The other way: a field given per face in face frames (#F), as a field at the vertices (#V). A vertex takes a mean of
+/// its faces' values, each carried from the face's barycenter to the vertex by the connection,
+///   u_v = sum_t w_t u_t exp(i n (rho_{v->t} + (tau_ij + tau_ik) / 3)) / sum_t w_t,
+/// the inverse of the phases that at_faces() has there. The weights are mean value coordinates (Floater 2003) of the
+/// vertex among the barycenters: positive, so that no mean is longer than what it is made of, and exact for linear
+/// functions, so that the error of a smooth field is of second order; at boundary vertices, and where a barycenter sees
+/// the next one behind the vertex, they are areas, and the error is of first order. Fields that are parallel around a
+/// vertex come back to the last digits. Zero at vertices that no face uses. Throws OptionError when the field has not
+/// one value per face.
+[[nodiscard]] Field at_vertices(const ConnectedSurface& surface, const Field& face_field);
 
 }  // namespace alcap

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <vector>
 
 #include "alcap/connected_surface.h"
 #include "src/base/parallel.h"
@@ -21,6 +22,51 @@ void check_frames(const Field& field) {
   if (!field.frames || field.frames->X.rows() != field.u.size())
     throw OptionError("frames", field.frames ? std::to_string(field.frames->X.rows()) + " frames" : "none",
                       "vectors in space need one frame per value, " + std::to_string(field.u.size()));
+}
+
+/// The barycenter of a face as one of its corners sees it.
+struct BarycenterSeen {
+  Index corner = none;
+  double distance = 0;
+  double after = 0, before = 0;  ///< its angle from the corner's first edge, and to the second
+  double weight = 0;             ///< the face's area, to begin with
+};
+
+BarycenterSeen barycenter_seen(const Mesh& mesh, const Geometry& geometry, Index h) {
+  const double first = geometry.length(mesh.edge(h)), second = geometry.length(mesh.edge(Mesh::prev(h)));
+  const Complex<double> way = first + std::polar(second, geometry.angle(h));
+  return {h, std::abs(way) / 3, std::arg(way), geometry.angle(h) - std::arg(way), geometry.area(Mesh::face(h))};
+}
+
+// Mean value coordinates (Floater 2003) of an interior vertex in the polygon of its faces' barycenters, laid out with
+// angles scaled to 2 pi: positive, and exact for linear functions there. Areas stay where a side of the polygon is seen
+// under a straight angle or more.
+void use_mean_values(double scale, std::vector<BarycenterSeen>& ring) {
+  constexpr double widest = 0.99 * pi<double>;
+  const auto seen = [&](std::size_t k) {
+    return scale * (ring[k].before + ring[k + 1 == ring.size() ? 0 : k + 1].after);
+  };
+  for (std::size_t k = 0; k < ring.size(); ++k)
+    if (!(seen(k) < widest)) return;
+  for (std::size_t k = 0; k < ring.size(); ++k) {
+    const double left = seen(k), right = seen(k == 0 ? ring.size() - 1 : k - 1);
+    ring[k].weight = (std::tan(left / 2) + std::tan(right / 2)) / ring[k].distance;
+  }
+}
+
+// The weighted mean of the ring's values, each carried from its barycenter to the vertex.
+Complex<double> mean_at_vertex(const Connection& connection, const std::vector<BarycenterSeen>& ring,
+                               const Field& face_field) {
+  Complex<double> sum = 0;
+  double total = 0;
+  for (const BarycenterSeen& face : ring) {
+    const Index h = face.corner;
+    // tau along prev(h) runs towards the vertex: tau_ik = -tau_ki.
+    const double angle = connection.rho_t[h] + (connection.tau[h] - connection.tau[Mesh::prev(h)]) / 3;
+    sum += face.weight * detail::turned(face_field.u[Mesh::face(h)], std::polar(1.0, face_field.n * angle));
+    total += face.weight;
+  }
+  return total > 0 ? sum / total : Complex<double>(0);
 }
 
 }  // namespace
@@ -106,6 +152,26 @@ Field at_faces(const ConnectedSurface& surface, const Field& field) {
           sum += detail::turned(field.u[mesh.F()(first + i, c)], phases[static_cast<std::size_t>(3 * i + c)]);
         out.u[first + i] = sum / double(3);
       }
+    }
+  });
+  return out;
+}
+
+Field at_vertices(const ConnectedSurface& surface, const Field& face_field) {
+  const Mesh& mesh = surface.mesh();
+  const Connection& connection = surface.connection();
+  check_degree(face_field.n);
+  if (face_field.u.size() != mesh.faces())
+    throw OptionError("u", std::to_string(face_field.u.size()) + " entries",
+                      "needs one entry per face of the mesh, " + std::to_string(mesh.faces()));
+  Field out{face_field.n, ComplexVectorX<double>(mesh.vertices()), surface.in_space() ? surface.frames() : nullptr};
+  parallel_ranges(mesh.vertices(), 256, [&](std::int64_t begin, std::int64_t end) {
+    std::vector<BarycenterSeen> ring;
+    for (auto v = static_cast<Index>(begin); v < end; ++v) {
+      ring.clear();
+      mesh.for_each_outgoing(v, [&](Index h) { ring.push_back(barycenter_seen(mesh, surface.geometry(), h)); });
+      if (!mesh.boundary_vertex(v)) use_mean_values(2 * pi<double> / surface.geometry().angle_sum(v), ring);
+      out.u[v] = mean_at_vertex(connection, ring, face_field);
     }
   });
   return out;
