@@ -41,5 +41,6 @@
 #include "alcap/surface.h"
 #include "alcap/surface_path.h"
 #include "alcap/topology.h"
+#include "alcap/transport.h"
 #include "alcap/version.h"
 // IWYU pragma: end_exports

@@ -10,7 +10,6 @@
 
 #include <vector>
 
-#include "alcap/connected_surface.h"
 #include "alcap/frames.h"
 
 namespace alcap {

@@ -4,7 +4,7 @@
 //
 //   const alcap::FeatureGraph creases = alcap::sharp_edges(surface, {.angle = 0.5});
 //   for (const alcap::FeatureLine& line : creases.lines)
-//     strokes.push_back(alcap::stroke_along_vertices(surface.mesh(), surface.geometry(), line.vertices));
+//     strokes.push_back(alcap::stroke_along_vertices(surface, line.vertices));
 //   for (Index v = 0; v < surface.mesh().vertices(); ++v)
 //     if (creases.vertices[v] == alcap::FeatureVertex::corner) { ... }
 //

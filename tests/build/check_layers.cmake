@@ -16,7 +16,7 @@ set(layers
   "solvers/eigenpair       |"
   "src/mesh                | mesh_check mesh arrays generators topology geometry surface surface_path shortest_path sharp_edges"
   "src/io/mesh             | mesh_io"
-  "src/connection          | connection cones frames connected_surface"
+  "src/connection          | connection cones frames connected_surface transport"
   "src/energy              | operators assembly energies"
   "src/field               | field smoothest singularities alignment"
   "src/curves/strokes      | strokes"

@@ -18,10 +18,6 @@ namespace {
 
 using C = Complex<double>;
 
-Field faces_of(const ConnectedSurface& s, const Field& field) {
-  return at_faces(s.mesh(), s.geometry(), s.connection(), field, nullptr);
-}
-
 ComplexVectorX<double> random_values(Eigen::Index count, std::uint64_t seed) {
   detail::Random random(seed);
   ComplexVectorX<double> u(count);
@@ -45,10 +41,10 @@ struct Errors {
 /// Of at_vertices() for that field sampled at barycenters, against the field at the vertices, as n-vectors.
 Errors sphere_error(const MeshData& data, int n) {
   const ConnectedSurface s = connected(data);
-  const auto frames = std::make_shared<const Frames>(face_frames(s.mesh(), s.V()));
+  const auto frames = std::make_shared<const Frames>(face_frames(s));
   Positions<double> there(s.mesh().faces(), 3), here(s.mesh().vertices(), 3);
   for (Index t = 0; t < s.mesh().faces(); ++t)
-    there.row(t) = tangent_field(position(s.surface(), {t, {1.0 / 3, 1.0 / 3, 1.0 / 3}}), 0.3, 0.2);
+    there.row(t) = tangent_field(position(s, {t, {1.0 / 3, 1.0 / 3, 1.0 / 3}}), 0.3, 0.2);
   for (Index v = 0; v < s.mesh().vertices(); ++v) here.row(v) = tangent_field(s.V().row(v), 0.3, 0.2);
   const Field found = at_vertices(s, from_vectors(n, there, frames)), exact = from_vectors(n, here, s.frames());
   const VectorX<double> error = (found.u - exact.u).cwiseAbs();
@@ -60,7 +56,7 @@ Errors sphere_error(const MeshData& data, int n) {
 TEST_CASE("at_vertices: constant fields of flat surfaces are exact, up to and on the boundary, n = 1, 2, 4, 6") {
   for (const MeshData& data : {grid(7, 5, 3, 2), disk(6), fan(7), single_triangle()}) {
     const ConnectedSurface s = connected(data);
-    const auto frames = std::make_shared<const Frames>(face_frames(s.mesh(), s.V()));
+    const auto frames = std::make_shared<const Frames>(face_frames(s));
     const Eigen::RowVector3d vector(0.6, -1.1, 0);
     for (const int n : {1, 2, 4, 6}) {
       const Field faces = from_vectors(n, Positions<double>(vector.replicate(s.mesh().faces(), 1)), frames);
@@ -75,13 +71,14 @@ TEST_CASE("at_vertices: constant fields of flat surfaces are exact, up to and on
 
 TEST_CASE("at_vertices is the inverse of at_faces for parallel fields, curved surfaces included") {
   const MeshData bent = torus_random_diagonals(16, 8, 1, 0.4, 2);
-  const Surface surface(bent.V, bent.F);
+  const Surface surface(bent.V, bent.F), square = flat_torus_surface(9, 7);
+  const ConnectedSurface glued = connect(  // drawn somewhere, though flat
+      Surface::from_lengths(square.mesh(), square.geometry().lengths(), torus(9, 7, 1, 0.4).V));
   for (const int n : {1, 2, 4, 6}) {
     const auto flat = [&](const std::vector<double>& turns) {
-      return ConnectedSurface(surface,
-                              trivial(surface.mesh(), surface.geometry(), {}, {.n = n, .generator_holonomy = turns}));
+      return ConnectedSurface(surface, trivial(surface, {}, {.n = n, .generator_holonomy = turns}));
     };
-    for (const ConnectedSurface& s : {connected(flat_torus_surface(9, 7)), flat({0, 0}), flat({1.0 / n, 2.0 / n})}) {
+    for (const ConnectedSurface& s : {glued, flat({0, 0}), flat({1.0 / n, 2.0 / n})}) {
       // Carried from neighbour to neighbour: on a flat connection the way does not matter.
       Field field{n, ComplexVectorX<double>::Zero(s.mesh().vertices()), nullptr};
       field.u[0] = C(0.8, -0.7);
@@ -92,7 +89,7 @@ TEST_CASE("at_vertices is the inverse of at_faces for parallel fields, curved su
           field.u[s.mesh().tip(h)] = field.u[queue[k]] * std::polar(1.0, -n * s.connection().rho_along(s.mesh(), h));
           queue.push_back(s.mesh().tip(h));
         });
-      CHECK((at_vertices(s, faces_of(s, field)).u - field.u).cwiseAbs().maxCoeff() < 1e-10);
+      CHECK((at_vertices(s, at_faces(s, field)).u - field.u).cwiseAbs().maxCoeff() < 1e-10);
     }
   }
 }
@@ -110,9 +107,9 @@ TEST_CASE("at_vertices: linear vector fields of a flat surface are exact at inne
   const Eigen::RowVector3d shift(0.2, -0.5, 0);
   Positions<double> there(mesh.faces(), 3), here(mesh.vertices(), 3);
   for (Index t = 0; t < mesh.faces(); ++t)
-    there.row(t) = position(s.surface(), {t, {1.0 / 3, 1.0 / 3, 1.0 / 3}}) * linear + shift;
+    there.row(t) = position(s, {t, {1.0 / 3, 1.0 / 3, 1.0 / 3}}) * linear + shift;
   for (Index v = 0; v < mesh.vertices(); ++v) here.row(v) = data.V.row(v) * linear + shift;
-  const auto frames = std::make_shared<const Frames>(face_frames(s.mesh(), s.V()));
+  const auto frames = std::make_shared<const Frames>(face_frames(s));
   const Field found = at_vertices(s, from_vectors(1, there, frames)), exact = from_vectors(1, here, s.frames());
   for (Index v = 0; v < mesh.vertices(); ++v)
     if (!mesh.boundary_vertex(v)) CHECK(std::abs(found.u[v] - exact.u[v]) < 1e-12);

@@ -10,11 +10,7 @@
 
 namespace alcap::test {
 
-inline ConnectedSurface connected(Surface surface) {
-  Connection connection = globally_optimal(surface.mesh(), surface.geometry());
-  return {std::move(surface), std::move(connection)};
-}
-inline ConnectedSurface connected(const MeshData& data) { return connected(Surface(data.V, data.F)); }
+inline ConnectedSurface connected(const MeshData& data) { return connect(Surface(data.V, data.F)); }
 
 /// flat_torus() as a surface.
 inline Surface flat_torus_surface(int nu, int nv) {
