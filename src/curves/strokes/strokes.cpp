@@ -10,6 +10,8 @@
 #include <unordered_map>
 
 #include "alcap/surface.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/curves/strokes/trace.h"
 
 namespace alcap {
@@ -39,18 +41,17 @@ void append(SurfacePolyline& line, const Mesh& mesh, const Geometry& geometry, c
 SurfacePoint checked(const Mesh& mesh, const SurfacePoint& p, std::size_t k) {
   const std::string field = "points[" + std::to_string(k) + "]";
   if (p.face < 0 || p.face >= mesh.faces())
-    throw OptionError(field, std::to_string(p.face),
-                      "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+    throw OptionError(field, p.face, "there is no such face; the mesh has " + std::to_string(mesh.faces()));
   SurfacePoint q = p;
   double sum = 0;
   for (double& b : q.barycentric) {
     if (!(b >= -1e-6 && b <= 1 + 1e-6))
-      throw OptionError(field, std::to_string(b), "barycentric coordinates are not negative and sum to 1");
+      throw OptionError(field, b, "barycentric coordinates are not negative and sum to 1");
     sum += b;
     if (b < on_edge) b = 0;
   }
   if (!(std::abs(sum - 1) <= 1e-6))
-    throw OptionError(field, std::to_string(sum), "barycentric coordinates are not negative and sum to 1");
+    throw OptionError(field, sum, "barycentric coordinates are not negative and sum to 1");
   sum = q.barycentric[0] + q.barycentric[1] + q.barycentric[2];
   for (double& b : q.barycentric) b /= sum;
   return q;
@@ -70,17 +71,17 @@ bool before(const SurfacePoint& p, const SurfacePoint& q) {
 }
 
 bool connected(const Mesh& mesh, Index from, Index to) {
-  std::vector<bool> seen(static_cast<std::size_t>(mesh.faces()), false);
+  std::vector<bool> seen(detail::at(mesh.faces()), false);
   std::vector<Index> stack{from};
-  seen[static_cast<std::size_t>(from)] = true;
+  seen[detail::at(from)] = true;
   while (!stack.empty()) {
     const Index t = stack.back();
     stack.pop_back();
     if (t == to) return true;
     for (Index h = 3 * t; h < 3 * t + 3; ++h) {
       const Index g = mesh.twin(h);
-      if (g == none || seen[static_cast<std::size_t>(g / 3)]) continue;
-      seen[static_cast<std::size_t>(g / 3)] = true;
+      if (g == none || seen[detail::at(g / 3)]) continue;
+      seen[detail::at(g / 3)] = true;
       stack.push_back(g / 3);
     }
   }
@@ -99,6 +100,7 @@ std::vector<Index> shortest_path(const Mesh& mesh, const Geometry& geometry, Ind
   reached[a] = {0, none};
   queue.emplace(0.0, a);
   while (!queue.empty()) {
+    detail::check_cancelled();
     const double distance = queue.top().first;
     const Index v = queue.top().second;
     queue.pop();
@@ -188,8 +190,7 @@ SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<
   const Geometry& geometry = surface.geometry();
   for (std::size_t k = 0; k < vertices.size(); ++k)
     if (vertices[k] < 0 || vertices[k] >= mesh.vertices() || !mesh.referenced(vertices[k]))
-      throw OptionError("vertices[" + std::to_string(k) + "]", std::to_string(vertices[k]),
-                        "must be a vertex that a face uses");
+      throw OptionError("vertices[" + std::to_string(k) + "]", vertices[k], "must be a vertex that a face uses");
   SurfacePolyline line;
   for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
     const Index a = vertices[k], b = vertices[k + 1];
@@ -212,8 +213,8 @@ SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<
     for (const Index e : path) {
       const Index h = mesh.halfedge(e);
       detail::Step step{h / 3, {}, {}};
-      step.a[static_cast<std::size_t>(h % 3)] = 1;
-      step.b[static_cast<std::size_t>(Mesh::next(h) % 3)] = 1;
+      step.a[detail::at(h % 3)] = 1;
+      step.b[detail::at(Mesh::next(h) % 3)] = 1;
       if (mesh.tail(h) != at) std::swap(step.a, step.b);
       at = mesh.tail(h) == at ? mesh.tip(h) : mesh.tail(h);
       append(line, mesh, geometry, step);

@@ -12,6 +12,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
+
 namespace alcap::detail {
 namespace {
 
@@ -22,7 +25,7 @@ constexpr double on_plane = 1e-13;
 
 Point position(const Mesh& mesh, const Positions<double>& V, const SurfacePoint& p) {
   Point x = Point::Zero();
-  for (Index c = 0; c < 3; ++c) x += p.barycentric[static_cast<std::size_t>(c)] * V.row(mesh.F()(p.face, c));
+  for (Index c = 0; c < 3; ++c) x += p.barycentric[detail::at(c)] * V.row(mesh.F()(p.face, c));
   return x;
 }
 
@@ -78,8 +81,8 @@ class Cut {
 
 std::array<double, 3> on_halfedge(Index h, double s) {
   std::array<double, 3> b{};
-  b[static_cast<std::size_t>(h % 3)] = 1 - s;
-  b[static_cast<std::size_t>(Mesh::next(h) % 3)] = s;
+  b[detail::at(h % 3)] = 1 - s;
+  b[detail::at(Mesh::next(h) % 3)] = s;
   return b;
 }
 
@@ -88,6 +91,7 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
   std::vector<Step> steps;
   SurfacePoint at = start;
   do {
+    check_cancelled();
     for (const SurfacePoint& end : ends)
       if (end.face == at.face) {
         steps.push_back({at.face, at.barycentric, end.barycentric});
@@ -108,7 +112,7 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
 
 std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& p) {
   std::vector<SurfacePoint> all{p};
-  const auto zero = [&](Index c) { return p.barycentric[static_cast<std::size_t>(c % 3)] == 0; };
+  const auto zero = [&](Index c) { return p.barycentric[detail::at(c % 3)] == 0; };
   for (Index c = 0; c < 3; ++c) {
     if (zero(c + 1) && zero(c + 2)) {
       const Index v = mesh.F()(p.face, c);
@@ -122,8 +126,8 @@ std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& 
     const Index h = 3 * p.face + c, g = mesh.twin(h);
     if (!zero(c + 2) || g == none) continue;
     SurfacePoint q{g / 3, {}};
-    q.barycentric[static_cast<std::size_t>(Mesh::next(g) % 3)] = p.barycentric[static_cast<std::size_t>(c)];
-    q.barycentric[static_cast<std::size_t>(g % 3)] = p.barycentric[static_cast<std::size_t>(Mesh::next(h) % 3)];
+    q.barycentric[detail::at(Mesh::next(g) % 3)] = p.barycentric[detail::at(c)];
+    q.barycentric[detail::at(g % 3)] = p.barycentric[detail::at(Mesh::next(h) % 3)];
     all.push_back(q);
   }
   return all;
