@@ -5,7 +5,6 @@
 // prints them all.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -53,7 +52,10 @@ struct DefectReport {
   ca /= extent;
   const double longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
   const double size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-  const double twice_area = ab.cross(-ca).norm();
+  // Written out: Eigen/Geometry would double what a consumer of this header compiles.
+  const Eigen::Matrix<double, 1, 3> normal(ca.y() * ab.z() - ca.z() * ab.y(), ca.z() * ab.x() - ca.x() * ab.z(),
+                                           ca.x() * ab.y() - ca.y() * ab.x());
+  const double twice_area = normal.norm();
   return !(twice_area > double(4) * std::numeric_limits<double>::epsilon() * (size / extent) * longest);
 }
 

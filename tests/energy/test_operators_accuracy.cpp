@@ -4,6 +4,7 @@
 #include "tests/energy/operators_fixture.h"
 
 #include <doctest/doctest.h>
+#include <Eigen/Geometry>
 
 #include "alcap/energies.h"
 

@@ -3,6 +3,7 @@
 // statistics.cpp: counts and ranges of any list of triangles.
 #include "apps/alcap/report/statistics.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
