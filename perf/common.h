@@ -27,6 +27,7 @@
 #include "alcap/energies.h"
 #include "alcap/solve.h"
 #include "perf/spheres.h"
+#include "src/base/clock.h"
 #include "src/base/parallel.h"
 
 #ifdef __GLIBC__
@@ -60,10 +61,6 @@ inline MeshData make_surface(const std::string& family, std::int64_t faces) {
   throw std::runtime_error("unknown family " + family + "; there are icosphere, jittered, torus, scan, cad");
 }
 
-inline double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 /// A mesh, and what benchmarks in a row share of it, made when first asked for.
 class Prepared {
  public:
@@ -95,9 +92,9 @@ class Prepared {
     ComplexVectorX<double> x = ComplexVectorX<double>::Ones(S.rows()), y(S.rows());
     best = 1e300;
     for (int k = 0; k < 5; ++k) {
-      const auto start = std::chrono::steady_clock::now();
+      const detail::Stopwatch watch;
       run_with_threads(threads, [&] { hermitian_product(S, x.data(), y.data()); });
-      best = std::min(best, seconds_since(start));
+      best = std::min(best, watch.seconds());
     }
     return best;
   }
@@ -231,9 +228,9 @@ double timed(benchmark::State& state, int threads, Body&& body) {
   double seconds = 0;
   int calls = 0;
   for (auto _ : state) {
-    const auto start = std::chrono::steady_clock::now();
+    const detail::Stopwatch watch;
     run_with_threads(threads, body);
-    seconds += seconds_since(start);
+    seconds += watch.seconds();
     ++calls;
   }
   return seconds / std::max(calls, 1);

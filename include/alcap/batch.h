@@ -25,7 +25,7 @@ namespace alcap {
 /// work at the same time; one context belongs to one thread at a time.
 class Context {
  public:
-  /// `threads` and `progress` of the options are not used.
+  /// `threads`, `progress` and those of `control` are not used; control.cancel is.
   explicit Context(FieldRunOptions options = {});
 
   /// run_field() on this thread, of a surface or of points and triangles; throws what it throws. The reference holds
@@ -47,12 +47,16 @@ class Context {
 struct BatchOptions {
   FieldRunOptions field = {};  // of every context
   int jobs = 0;                // meshes at a time; 0: as many as the machine has threads
+  /// Of the whole batch: cancel ends it with Cancelled, also in the middle of a mesh; progress is told "batch" and the
+  /// part of the meshes that is done. `threads` counts where `jobs` is 0.
+  RunControl control = {};
 };
 
 /// Calls work(context, i) for every i in [0, count), `jobs` at a time, in about this order, each on one thread with
 /// that thread's context. What work throws goes to failed(i, error), one call at a time, and the others go on; an
 /// exception thrown by `failed` ends the batch and reaches the caller. Anything thrown that is no std::exception ends
-/// it as well. Throws OptionError for negative count or jobs.
+/// it as well, and so does Cancelled when the batch itself was cancelled. Throws OptionError for negative count or
+/// jobs.
 void run_batch(std::int64_t count, const BatchOptions& options,
                const std::function<void(Context& context, std::int64_t i)>& work,
                const std::function<void(std::int64_t i, const std::exception& error)>& failed);

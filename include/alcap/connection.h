@@ -13,7 +13,9 @@
 // Closed meshes: the K of a Levi-Civita-type connection sum to 2 pi chi.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "alcap/geometry.h"
@@ -40,6 +42,40 @@ enum class LengthFactor {
   metric,     ///< |e| as printed in the paper: the result depends on the unit of length.
   per_edge,   ///< 1
 };
+
+template <>
+struct NamesOf<ConnectionKind> {
+  static constexpr auto table = detail::name_table<ConnectionKind>({{ConnectionKind::polar, "polar"},
+                                                                    {ConnectionKind::local, "local"},
+                                                                    {ConnectionKind::global, "global"},
+                                                                    {ConnectionKind::trivial, "trivial"}});
+};
+template <>
+struct NamesOf<PolarCenter> {
+  static constexpr auto table =
+      detail::name_table<PolarCenter>({{PolarCenter::incenter, "incenter"}, {PolarCenter::barycenter, "barycenter"}});
+};
+template <>
+struct NamesOf<LengthFactor> {
+  static constexpr auto table = detail::name_table<LengthFactor>(
+      {{LengthFactor::mean_edge, "mean_edge"}, {LengthFactor::metric, "metric"}, {LengthFactor::per_edge, "per_edge"}});
+};
+
+/// A kind of connection with its center, under one name: those of ConnectionKind, and "polar-barycenter".
+struct ConnectionChoice {
+  ConnectionKind kind = ConnectionKind::global;
+  PolarCenter center = PolarCenter::incenter;
+};
+[[nodiscard]] constexpr std::string_view name(const ConnectionChoice& choice) {
+  const bool other = choice.kind == ConnectionKind::polar && choice.center == PolarCenter::barycenter;
+  return other ? "polar-barycenter" : name(choice.kind);
+}
+/// The choice of this name, or nothing.
+[[nodiscard]] constexpr std::optional<ConnectionChoice> connection_choice(std::string_view text) {
+  if (text == "polar-barycenter") return ConnectionChoice{ConnectionKind::polar, PolarCenter::barycenter};
+  if (const auto kind = from_name<ConnectionKind>(text)) return ConnectionChoice{*kind};
+  return std::nullopt;
+}
 
 struct PolarOptions {
   PolarCenter center = PolarCenter::incenter;  // see PolarCenter: only this one converges in every measure

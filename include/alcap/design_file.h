@@ -40,6 +40,16 @@ enum class SingularityKind {
   wedge,      ///< index +1/2
   trisector,  ///< index -1/2
 };
+template <>
+struct NamesOf<SingularityKind> {
+  static constexpr auto table = detail::name_table<SingularityKind>({{SingularityKind::source, "source"},
+                                                                     {SingularityKind::sink, "sink"},
+                                                                     {SingularityKind::vortex, "vortex"},
+                                                                     {SingularityKind::spiral, "spiral"},
+                                                                     {SingularityKind::saddle, "saddle"},
+                                                                     {SingularityKind::wedge, "wedge"},
+                                                                     {SingularityKind::trisector, "trisector"}});
+};
 
 /// A singularity of index +-1/n. One of `face` and `at`.
 struct DesignSingularity {
@@ -124,10 +134,25 @@ struct DesignGuidance {
   std::optional<double> t = std::nullopt;  // instead of the weight, see DesignerOptions::t
   std::vector<double> weights = {};        // per vertex, multiply the weight; empty: 1 everywhere
 };
+template <>
+struct NamesOf<DesignGuidance::Source> {
+  static constexpr auto table =
+      detail::name_table<DesignGuidance::Source>({{DesignGuidance::Source::none, "none"},
+                                                  {DesignGuidance::Source::zero, "zero"},
+                                                  {DesignGuidance::Source::smoothest, "smoothest"},
+                                                  {DesignGuidance::Source::curvature, "curvature"},
+                                                  {DesignGuidance::Source::least_curvature, "least-curvature"},
+                                                  {DesignGuidance::Source::file, "file"}});
+};
 
 enum class DesignMethod {
   variational,  ///< designer.h: a linear solve, exact where it says so
   eigen,        ///< eigen_design.h: the smoothest field that follows strokes and has the singularities
+};
+template <>
+struct NamesOf<DesignMethod> {
+  static constexpr auto table =
+      detail::name_table<DesignMethod>({{DesignMethod::variational, "variational"}, {DesignMethod::eigen, "eigen"}});
 };
 
 /// Counts of the mesh that a design is for.
@@ -188,10 +213,6 @@ struct DesignControl {
 /// has the connection of the design. Throws OptionError when a direction has no part in the tangent plane or a stroke
 /// cannot be traced.
 [[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface);
-
-/// Stable names: "source", "sink", ...
-[[nodiscard]] const char* name(SingularityKind kind);
-[[nodiscard]] const char* name(DesignGuidance::Source source);
 
 /// +1 or -1, in n-ths.
 [[nodiscard]] int index_of(SingularityKind kind);

@@ -21,6 +21,7 @@
 #include <string_view>
 #include <vector>
 
+#include "alcap/control.h"
 #include "alcap/design_file.h"
 #include "alcap/field_run.h"
 #include "alcap/singularities.h"
@@ -37,6 +38,9 @@ struct DesignRunOptions {
   /// Called on the calling thread when a phase starts: "connection", "guidance", "prepare", "solve", "analysis". An
   /// exception thrown here ends the run and reaches the caller.
   std::function<void(std::string_view phase)> progress = {};
+  /// Stopping, watching and threads of every solve; its phases are those of `progress`. Its threads count where
+  /// `threads` is 0.
+  RunControl control = {};
 };
 
 /// What was asked for and what became of it: a singularity, a fixed vertex, a stroke, the boundary, or a cone.

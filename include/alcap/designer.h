@@ -27,6 +27,7 @@
 #include <string_view>
 #include <vector>
 
+#include "alcap/control.h"
 #include "alcap/controls.h"
 #include "alcap/field.h"
 #include "alcap/operators.h"
@@ -58,6 +59,9 @@ struct DesignerOptions {
   /// "solve", "analysis". An exception thrown here ends the call and reaches the caller; the designer stays as it was
   /// and can be used again.
   std::function<void(std::string_view phase)> progress = {};
+  /// Stopping, watching and threads of every call of the designer; its phases are those of `progress`. After Cancelled
+  /// the designer stays as it was and can be used again.
+  RunControl control = {};
 };
 
 struct DesignResult {

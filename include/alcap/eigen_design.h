@@ -23,6 +23,7 @@
 #include <memory>
 #include <vector>
 
+#include "alcap/control.h"
 #include "alcap/controls.h"
 #include "alcap/smoothest.h"
 #include "alcap/strokes.h"
@@ -34,6 +35,11 @@ enum class EigenPath {
   automatic,  ///< low_rank for short strokes, real_view for long ones; plainly complex without strokes
   real_view,  ///< one factorisation of the real 2 #V x 2 #V matrix
   low_rank,   ///< one of the complex matrix, the strokes as an update (Woodbury)
+};
+template <>
+struct NamesOf<EigenPath> {
+  static constexpr auto table = detail::name_table<EigenPath>(
+      {{EigenPath::automatic, "auto"}, {EigenPath::real_view, "real_view"}, {EigenPath::low_rank, "low_rank"}});
 };
 
 struct EigenStroke {
@@ -60,6 +66,8 @@ struct EigenDesignOptions {
   EigenOptions eigen = {};  // tolerance, backend; `method` is used by components without strokes
   EigenPath path = EigenPath::automatic;
   int largest_rank = 64;  // automatic: rows kept as an update (two per face); beyond, the real factorisation is cheaper
+  /// Phases "assembly", "solve", "analysis". EigenOptions::cancel is honoured in the whole call as well.
+  RunControl control = {};
 };
 
 /// How well a stroke is followed, means over its length.

@@ -4,11 +4,15 @@
 // outcomes (iterations, residuals, non-convergence) are returned in reports instead.
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include "alcap/names.h"
 
 namespace alcap {
 
@@ -52,6 +56,27 @@ enum class Defect {
 /// Which kind of element a list of numbers refers to. An edge is named by its two vertices (two entries).
 enum class Element { vertex, edge, face };
 
+template <>
+struct NamesOf<Defect> {
+  static constexpr auto table =
+      detail::name_table<Defect>({{Defect::empty, "empty"},
+                                  {Defect::index_out_of_range, "index_out_of_range"},
+                                  {Defect::not_finite, "not_finite"},
+                                  {Defect::repeated_vertex_in_face, "repeated_vertex_in_face"},
+                                  {Defect::non_manifold_edge, "non_manifold_edge"},
+                                  {Defect::inconsistent_orientation, "inconsistent_orientation"},
+                                  {Defect::duplicate_face, "duplicate_face"},
+                                  {Defect::non_manifold_vertex, "non_manifold_vertex"},
+                                  {Defect::zero_length_edge, "zero_length_edge"},
+                                  {Defect::zero_area_face, "zero_area_face"},
+                                  {Defect::not_orientable, "not_orientable"}});
+};
+template <>
+struct NamesOf<Element> {
+  static constexpr auto table =
+      detail::name_table<Element>({{Element::vertex, "vertex"}, {Element::edge, "edge"}, {Element::face, "face"}});
+};
+
 /// A mesh cannot be used. Names the offending elements (the first few; `count()` says how many there are).
 class MeshError : public Error {
  public:
@@ -71,17 +96,32 @@ class MeshError : public Error {
   std::vector<std::int32_t> first_;
 };
 
-/// An option has a value it must not have; names the field and the value.
+namespace detail {
+/// The shortest text that reads back as the same number; NaN and infinities by name.
+[[nodiscard]] std::string number_text(double value);
+[[nodiscard]] std::string number_text(std::integral auto value) { return std::to_string(value); }
+}  // namespace detail
+
+/// An option or argument has a value it must not have: says which, the value, and the rule that it breaks. Numbers are
+/// given in the shortest form that reads back.
 class OptionError : public Error {
  public:
-  OptionError(std::string field, std::string value, const std::string& rule)
-      : Error("option '" + field + "' = " + value + ": " + rule), field_(std::move(field)), value_(std::move(value)) {}
+  OptionError(std::string field, std::string value, std::string rule)
+      : Error("option '" + field + "' = " + value + ": " + rule),
+        field_(std::move(field)),
+        value_(std::move(value)),
+        rule_(std::move(rule)) {}
+  template <class Number>
+  requires std::is_arithmetic_v<Number> OptionError(std::string field, Number value, std::string rule)
+      : OptionError(std::move(field), detail::number_text(value), std::move(rule)) {}
   [[nodiscard]] const std::string& field() const { return field_; }
   [[nodiscard]] const std::string& value() const { return value_; }
+  [[nodiscard]] const std::string& rule() const { return rule_; }
 
  private:
   std::string field_;
   std::string value_;
+  std::string rule_;
 };
 
 /// A solver could not do its work (not positive definite, out of memory, unknown backend).
@@ -90,10 +130,10 @@ class SolveError : public Error {
   using Error::Error;
 };
 
-/// A solve was stopped because its caller asked for it, see SolverOptions::cancel.
+/// A call was stopped because its caller asked for it, see control.h.
 class Cancelled : public Error {
  public:
-  Cancelled() : Error("the solve was cancelled") {}
+  Cancelled() : Error("the call was cancelled") {}
 };
 
 }  // namespace alcap

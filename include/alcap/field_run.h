@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "alcap/connected_surface.h"
+#include "alcap/control.h"
 #include "alcap/field.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
@@ -28,6 +29,10 @@ namespace alcap {
 enum class Repair {
   weld,    ///< faces use the first vertex at each position: joins triangle soups
   orient,  ///< faces are turned so that neighbours agree
+};
+template <>
+struct NamesOf<Repair> {
+  static constexpr auto table = detail::name_table<Repair>({{Repair::weld, "weld"}, {Repair::orient, "orient"}});
 };
 
 struct FieldRunOptions {
@@ -41,6 +46,9 @@ struct FieldRunOptions {
   /// Called on the calling thread when a phase starts: "mesh", "connection", "solve", "analysis". An exception thrown
   /// here ends the run and reaches the caller.
   std::function<void(std::string_view phase)> progress = {};
+  /// Stopping, watching and threads of the whole run; its phases are those of `progress`. Its threads count where
+  /// `threads` is 0. EigenOptions::cancel is honoured in the whole run as well.
+  RunControl control = {};
 };
 
 /// Something the user should know about a run that worked. `code` is stable, the message is one sentence.

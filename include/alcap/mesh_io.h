@@ -22,6 +22,7 @@
 #include <string_view>
 #include <vector>
 
+#include "alcap/control.h"
 #include "alcap/conventions.h"
 
 namespace alcap {
@@ -38,6 +39,13 @@ struct ReadOptions {
   /// Name of the format ("obj", "off", "ply", "stl"). Empty: by content, then by extension, so that a wrong extension
   /// does no harm.
   std::string format = {};
+
+  RunControl control = {};  // phase "read", with the part of the file that is done
+};
+template <>
+struct NamesOf<ReadOptions::Polygons> {
+  static constexpr auto table = detail::name_table<ReadOptions::Polygons>(
+      {{ReadOptions::Polygons::triangulate, "triangulate"}, {ReadOptions::Polygons::refuse, "refuse"}});
 };
 
 /// What a mesh file held.
@@ -66,9 +74,10 @@ struct MeshFile {
                                              const ReadOptions& options = {});
 
 /// Writes V (#V x 3) and F (#F x 3) in the format of the extension: .off, .obj or .ply. The file appears complete or
-/// not at all. Throws MeshError (empty, index out of range, not finite) and FileError (other extension, cannot be
-/// written).
-void write_mesh(const std::filesystem::path& path, const Positions<double>& V, const Faces& F);
+/// not at all; phase "write". Throws MeshError (empty, index out of range, not finite) and FileError (other extension,
+/// cannot be written).
+void write_mesh(const std::filesystem::path& path, const Positions<double>& V, const Faces& F,
+                const RunControl& control = {});
 
 /// Names of the formats that can be read.
 [[nodiscard]] std::vector<std::string> mesh_formats();

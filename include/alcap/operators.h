@@ -31,6 +31,11 @@ enum class OperatorKind {
   edge,      ///< boundary integral of the field interpolated along the edges (Stokes): sums over patches telescope
   triangle,  ///< area integral of the closed-form basis inside the face: matches FaceField exactly
 };
+template <>
+struct NamesOf<OperatorKind> {
+  static constexpr auto table =
+      detail::name_table<OperatorKind>({{OperatorKind::edge, "edge"}, {OperatorKind::triangle, "triangle"}});
+};
 
 struct OperatorOptions {
   int n = 1;                               // 1 vector field, 2 line field, 4 cross field; any integer is legal

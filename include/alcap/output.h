@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "alcap/connected_surface.h"
+#include "alcap/control.h"
 #include "alcap/field.h"
 #include "alcap/singularities.h"
 #include "alcap/streamlines.h"
@@ -44,13 +45,15 @@ struct FieldOutput {
 
 /// Writes the field in the format of the extension and returns the files written. Throws FileError (unknown extension:
 /// the message lists the known ones; folder missing, no permission, disk full) and OptionError (sizes that do not
-/// match, no frames, a value that is not finite, a surface that lies in no space). When it throws, no incomplete file
-/// is left behind.
-std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file);
+/// match, no frames, a value that is not finite, a surface that lies in no space). When it throws, also Cancelled, no
+/// incomplete file is left behind. Phase "write".
+std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file,
+                                               const RunControl& control = {});
 
 /// The same for several files, written side by side; what they share, such as the field at the faces, is computed once.
 /// When it throws, none of them has appeared.
-std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::span<const std::filesystem::path> files);
+std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::span<const std::filesystem::path> files,
+                                               const RunControl& control = {});
 
 /// The extensions that write_field knows, without the leading dot.
 [[nodiscard]] std::vector<std::string> field_formats();
@@ -60,7 +63,7 @@ std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::s
 
 /// Writes polylines, such as streamlines(), of an n-field in the format of the extension: .vtp (VTK, ParaView), .obj
 /// (lines; Blender, MeshLab), .json (everything a CurveSet has). Throws FileError as write_field does.
-void write_curves(const CurveSet& curves, int n, const std::filesystem::path& file);
+void write_curves(const CurveSet& curves, int n, const std::filesystem::path& file, const RunControl& control = {});
 
 /// The extensions that write_curves knows, without the leading dot.
 [[nodiscard]] std::vector<std::string> curve_formats();
@@ -74,6 +77,6 @@ struct FieldFile {
 };
 
 /// Reads a .ply that write_field wrote. Throws FileError: cannot be read, cut, or not such a file.
-[[nodiscard]] FieldFile read_field(const std::filesystem::path& file);
+[[nodiscard]] FieldFile read_field(const std::filesystem::path& file, const RunControl& control = {});
 
 }  // namespace alcap

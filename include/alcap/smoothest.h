@@ -22,7 +22,7 @@ struct SmoothestOptions {
   int n = 1;  // 1 vector field, 2 line field, 4 cross field
   /// Knoeppel et al. 2013, energy family E_s = (1+s) E_H + (1-s) E_A, s in [-1, 1]. 0 is the Dirichlet energy.
   double s = 0.0;
-  EigenOptions eigen = {};  // tolerance, backend
+  EigenOptions eigen = {};  // tolerance, backend; its cancel is honoured in the assembly as well
 };
 
 struct SmoothestResult {

@@ -18,6 +18,7 @@
 #include <span>
 #include <vector>
 
+#include "alcap/control.h"
 #include "alcap/field.h"
 #include "alcap/singularities.h"
 #include "alcap/strokes.h"
@@ -35,6 +36,16 @@ enum class CurveEnd {
   length,       ///< max_length is reached
   separation,   ///< the next step would be too close to another curve or to an earlier part of this one
   stuck,        ///< no progress; faces too thin for the precision of the numbers
+};
+template <>
+struct NamesOf<CurveEnd> {
+  static constexpr auto table = detail::name_table<CurveEnd>({{CurveEnd::seed, "seed"},
+                                                              {CurveEnd::boundary, "boundary"},
+                                                              {CurveEnd::singularity, "singularity"},
+                                                              {CurveEnd::loop, "loop"},
+                                                              {CurveEnd::length, "length"},
+                                                              {CurveEnd::separation, "separation"},
+                                                              {CurveEnd::stuck, "stuck"}});
 };
 
 /// Polylines on a surface, one after the other, each along its branch of the field.
@@ -62,6 +73,11 @@ struct CurveSeed {
 
 /// From a seed: along the branch, against it, or both ways in one curve.
 enum class CurveSides { both, forward, backward };
+template <>
+struct NamesOf<CurveSides> {
+  static constexpr auto table = detail::name_table<CurveSides>(
+      {{CurveSides::both, "both"}, {CurveSides::forward, "forward"}, {CurveSides::backward, "backward"}});
+};
 
 struct StreamlineOptions {
   /// Distance between neighbouring curves of one family, in box diagonals, so that a picture of the whole shows the
@@ -79,6 +95,7 @@ struct StreamlineOptions {
   double singularity_radius = 0.01;
   CurveSides sides = CurveSides::both;  // of trace_curves(): streamlines run both ways
   std::int64_t max_curves = 1'000'000;  // of streamlines(): a bound on memory when `spacing` is too small for the mesh
+  RunControl control = {};              // phase "curves"
 };
 
 /// Evenly spaced curves of all families over the whole surface, in the manner of Jobard and Lefer (1997). A cross field

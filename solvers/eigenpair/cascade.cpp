@@ -22,6 +22,7 @@
 #include "solvers/eigenpair/block_descent.h"
 #include "solvers/eigenpair/cluster.h"
 #include "solvers/linear/backends.h"
+#include "src/base/numbers.h"
 #include "src/base/random.h"
 
 namespace alcap::detail {
@@ -338,7 +339,7 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   result.report.next = refined.next / unit;
   conclude(problem, options, result);
   if (result.report.converged || refined.iterations >= options.max_iterations) return result;
-  const std::string why = "LOBPCG stopped at a residual of " + std::to_string(result.report.residual) + " after " +
+  const std::string why = "LOBPCG stopped at a residual of " + rounded_text(result.report.residual) + " after " +
                           std::to_string(refined.iterations) + " iterations: ";
   if (problem.S.rows() <= factorisable_rows) return factorised(problem, options, why + "factorised instead");
   result.report.message = why + "too large to be factorised instead";

@@ -35,14 +35,14 @@ void validate(const EigenProblem& problem, const EigenOptions& options) {
     throw SolveError("S has " + std::to_string(problem.S.rows()) + " rows and M " + std::to_string(problem.M.rows()));
   }
   if (!(problem.area > 0) || !std::isfinite(problem.area)) {
-    throw OptionError("area", std::to_string(problem.area), "must be positive and finite");
+    throw OptionError("area", problem.area, "must be positive and finite");
   }
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
-    throw OptionError("tolerance", std::to_string(options.tolerance), "must be in (0, 1)");
+    throw OptionError("tolerance", options.tolerance, "must be in (0, 1)");
   }
   detail::require_linear_solver("solver", options.solver);
   if (options.max_iterations < 1) {
-    throw OptionError("max_iterations", std::to_string(options.max_iterations), "must be at least 1");
+    throw OptionError("max_iterations", options.max_iterations, "must be at least 1");
   }
 }
 
@@ -86,7 +86,7 @@ BackendRegistration register_eigen_solver(std::string name, EigenSolver solver) 
 
 EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S, const SparseMatrix<std::complex<double>>& M,
                                double area, const EigenOptions& options) {
-  const detail::Timer timer;
+  const detail::Stopwatch timer;
   const auto solve = methods().get("method", choose(options, S.rows()));
   EigenProblem problem{.S = S, .M = M, .area = area};
   validate(problem, options);

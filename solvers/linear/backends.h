@@ -7,7 +7,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <complex>
 #include <functional>
 #include <limits>
@@ -16,6 +15,8 @@
 #include <string>
 
 #include "alcap/solve.h"
+#include "src/base/cancel.h"
+#include "src/base/clock.h"
 
 namespace alcap::detail {
 
@@ -34,11 +35,6 @@ template <class Scalar>
 
 /// Of complex systems only: real ones go through RealSystems.
 [[nodiscard]] SolverPtr<std::complex<double>> make_multigrid(const SolverOptions& options);
-
-/// The hook of every loop that may take long: throws Cancelled when `cancel` is set and says so.
-inline void check_cancelled(const std::function<bool()>& cancel) {
-  if (cancel && cancel()) throw Cancelled();
-}
 
 /// Runs a step of a backend; running out of memory becomes a SolveError that names the step.
 template <class Step>
@@ -91,16 +87,5 @@ template <class Scalar>
          std::equal(A.outerIndexPtr(), A.outerIndexPtr() + A.outerSize() + 1, B.outerIndexPtr()) &&
          std::equal(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros(), B.innerIndexPtr());
 }
-
-/// Wall-clock seconds since construction.
-class Timer {
- public:
-  [[nodiscard]] double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace alcap::detail

@@ -116,7 +116,7 @@ class Cholmod final : public LinearSolver<Scalar> {
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
-    const Timer timer;
+    const Stopwatch timer;
     SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
     report.converged = true;
     if (B.cols() == 0) return report;

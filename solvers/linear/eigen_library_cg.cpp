@@ -97,7 +97,7 @@ class EigenCg final : public LinearSolver<Scalar> {
   }
 
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
-    const Timer timer;
+    const Stopwatch timer;
     SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
     guarded("Eigen CG solve", [&] {
       for (Eigen::Index c = 0; c < B.cols(); ++c) column(B.col(c), X.col(c), report);

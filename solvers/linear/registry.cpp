@@ -45,13 +45,13 @@ detail::NameTable<Backend>& backends() {
 
 void validate(const SolverOptions& options) {
   if (!(options.tolerance > 0 && options.tolerance < 1)) {
-    throw OptionError("tolerance", std::to_string(options.tolerance), "must be in (0, 1)");
+    throw OptionError("tolerance", options.tolerance, "must be in (0, 1)");
   }
   if (options.max_iterations < 1) {
-    throw OptionError("max_iterations", std::to_string(options.max_iterations), "must be at least 1");
+    throw OptionError("max_iterations", options.max_iterations, "must be at least 1");
   }
   if (options.right_hand_sides < 0) {
-    throw OptionError("right_hand_sides", std::to_string(options.right_hand_sides), "must be at least 0");
+    throw OptionError("right_hand_sides", options.right_hand_sides, "must be at least 0");
   }
 }
 

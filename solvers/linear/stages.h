@@ -108,7 +108,7 @@ class Stages {
  private:
   std::string title_;
   std::function<bool()> cancel_;
-  Timer timer_;
+  Stopwatch timer_;
   Pattern pattern_;
   bool ready_ = false;
   SolveReport report_;  // times of analysis and factorisation

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "solvers/multigrid/hierarchy.h"
+#include "src/base/cancel.h"
 
 namespace alcap::detail {
 namespace {
@@ -27,7 +28,10 @@ class Aggregation {
   }
 
   Aggregates run() {
-    for (Index i = 0; i < rows_; ++i) root(i);
+    for (Index i = 0; i < rows_; ++i) {
+      check_cancelled_at(i);
+      root(i);
+    }
     parallel_for(
         rows_, [this](std::int64_t i) { join(static_cast<Index>(i)); }, mg_grain);
     finish();

@@ -12,8 +12,8 @@
 #include <cstdint>
 
 #include "alcap/conventions.h"
+#include "src/base/array.h"
 #include "src/base/parallel.h"
-#include "src/base/unset_array.h"
 #include "src/simd/block_kernels.h"
 
 namespace alcap::detail {
@@ -22,20 +22,7 @@ using ComplexF = std::complex<float>;
 
 /// An array whose elements start unset: memory is first touched by the threads that fill it.
 template <class T>
-class Buffer {
- public:
-  Buffer() = default;
-  explicit Buffer(std::int64_t size) : data_(unset_array<T>(static_cast<std::size_t>(size))), size_(size) {}
-  [[nodiscard]] T* data() { return data_.get(); }
-  [[nodiscard]] const T* data() const { return data_.get(); }
-  [[nodiscard]] std::int64_t size() const { return size_; }
-  [[nodiscard]] T& operator[](std::int64_t i) { return data_[static_cast<std::size_t>(i)]; }
-  [[nodiscard]] const T& operator[](std::int64_t i) const { return data_[static_cast<std::size_t>(i)]; }
-
- private:
-  UnsetArray<T> data_;
-  std::int64_t size_ = 0;
-};
+using Buffer = Array<T>;
 
 /// Rows of a sparse complex matrix.
 struct Rows {

@@ -64,7 +64,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
 
   SolveReport solve(const Eigen::Ref<const MatrixX<complex<double>>>& B,
                     Eigen::Ref<MatrixX<complex<double>>> X) const override {
-    const Timer timer;
+    const Stopwatch timer;
     SolveReport report = stages_.begin_solve<complex<double>>(B, X, own_name);
     guarded("multigrid solve", [&] { columns(B, X, report); });
     report.converged = report.residual <= options_.tolerance;

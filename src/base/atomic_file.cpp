@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "alcap/errors.h"
+#include "src/base/cancel.h"
 
 namespace alcap::detail {
 namespace {
@@ -68,6 +69,7 @@ void AtomicFile::flush(std::string_view bytes) {
     if (written <= 0) fail("writing failed after " + std::to_string(flushed_) + " bytes", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
     flushed_ += written;
+    check_cancelled();
   }
 }
 

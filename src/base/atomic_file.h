@@ -27,7 +27,7 @@ class AtomicFile {
   AtomicFile& operator=(const AtomicFile&) = delete;
   ~AtomicFile();
 
-  /// Appends bytes (buffered unless there are many).
+  /// Appends bytes (buffered unless there are many). Throws Cancelled in a cancelled call (cancel.h).
   void write(std::string_view bytes) {
     if (bytes.size() >= buffer_bytes / 16) {
       flush();

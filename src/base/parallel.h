@@ -6,18 +6,26 @@
 //   parallel_for(n, [&](std::int64_t i) { y[i] = 2 * x[i]; });
 //   double s = parallel_sum<double>(n, [&](std::int64_t i) { return x[i] * y[i]; });
 //   run_with_threads(4, [&] { ... everything inside uses at most 4 threads ... });
+//
+// Inside a ControlScope (cancel.h) loops ask between chunks whether they are to stop, on every thread, and then throw
+// Cancelled. What a body throws ends the loop and reaches its caller; loops that run inside of other bodies are not
+// touched by it.
 #pragma once
 
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
 #include <utility>
 #include <vector>
+
+#include "src/base/cancel.h"
 
 // ThreadSanitizer cannot find the line of every access in code that was inlined into the scheduler. So bodies have
 // frames of their own there, and tests/support/tsan.supp silences the scheduler by the name of its functions; what it
@@ -61,6 +69,19 @@ ALCAP_OWN_FRAME void run_body(Body& body, Arguments... arguments) {
   body(arguments...);
 }
 
+/// body(begin, end) for the range; inside a scope in pieces of `grain`, a check before each.
+template <class Body>
+void run_range(Body& body, std::int64_t begin, std::int64_t end, std::int64_t grain) {
+  if (cancel::current == nullptr) {
+    run_body(body, begin, end);
+    return;
+  }
+  for (; begin < end; begin += grain) {
+    check_cancelled();
+    run_body(body, begin, std::min(end, begin + grain));
+  }
+}
+
 }  // namespace detail
 
 /// Elements per chunk of a reduction or scan. Part of the definition of every reduced value: changing it changes
@@ -69,6 +90,9 @@ inline constexpr std::int64_t reduction_chunk = 4096;
 
 /// Below this many elements a loop runs on the calling thread.
 inline constexpr std::int64_t sequential_below = 2048;
+
+/// The largest number of threads that options accept.
+inline constexpr int most_threads = 4096;
 
 /// The most threads that a loop started here uses.
 [[nodiscard]] inline int thread_limit() { return tbb::this_task_arena::max_concurrency(); }
@@ -80,17 +104,22 @@ void parallel_ranges(std::int64_t n, std::int64_t grain, Body&& body) {
   if (n <= 0) return;
   const std::int64_t chunks = (n + grain - 1) / grain;
   if (chunks == 1 || thread_limit() == 1) {
-    body(std::int64_t{0}, n);
+    detail::run_range(body, 0, n, grain);
     return;
   }
   detail::RegionMarks marks;
   marks.before();
+  detail::ControlScope* const scope = detail::cancel::current;
   const auto run = [&](const tbb::blocked_range<std::int64_t>& r) ALCAP_UNCHECKED {
     marks.enter();
-    detail::run_body(body, r.begin() * grain, std::min(n, r.end() * grain));
+    const detail::CarriedScope carried(scope);
+    detail::run_range(body, r.begin() * grain, std::min(n, r.end() * grain), grain);
     marks.leave();
   };
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, chunks), run);
+  // A group of its own: one that hangs on the group around it would, when another body of that throws, end here early
+  // and without a word, and the body around this loop would go on with half of the results.
+  tbb::task_group_context own(tbb::task_group_context::isolated);
+  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, chunks), run, own);
   marks.after();
 }
 
@@ -170,21 +199,26 @@ Int parallel_exclusive_scan(Int* counts, std::int64_t n) {
   return total;
 }
 
-/// Runs body with at most `threads` threads (0: as many as the machine has). Nothing global is changed; more threads
-/// than the machine has need a tbb::global_control of the caller's. Inside an arena of one thread there is nothing to
-/// limit, and a second arena would only cost time.
+/// Runs body with at most `threads` threads (0: as many as there are). Nothing global is changed; more threads than the
+/// machine has need a tbb::global_control of the caller's. Inside a smaller or larger arena of the caller's there are
+/// the threads of that arena and no others. Inside an arena of one thread there is nothing to limit, and a second arena
+/// would only cost time.
 template <class Body>
 void run_with_threads(int threads, Body&& body) {
-  if (threads <= 0 || (threads == 1 && thread_limit() == 1)) {
+  const int here = thread_limit();
+  if (threads <= 0 || (threads == 1 && here == 1)) {
     body();
     return;
   }
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  tbb::task_arena arena(std::min(threads, static_cast<int>(allowed)));
+  const int most = here == tbb::info::default_concurrency() ? static_cast<int>(allowed) : here;
+  tbb::task_arena arena(std::min(threads, most));
   detail::RegionMarks marks;
   marks.before();
+  detail::ControlScope* const scope = detail::cancel::current;
   arena.execute([&]() ALCAP_UNCHECKED {
     marks.enter();
+    const detail::CarriedScope carried(scope);
     detail::run_body(body);
     marks.leave();
   });

@@ -97,6 +97,59 @@ inline void put_eight(char* to, std::uint64_t value) {
   std::memcpy(to, text.data(), text.size());
 }
 
+inline constexpr std::uint64_t ten8 = 100000000, ten16 = ten8 * ten8;
+
+/// 17 digits, zeros in front.
+inline void put_digits(char* to, std::uint64_t digits) {
+  *to = static_cast<char>('0' + digits / ten16);
+  put_eight(to + 1, digits / ten8 % ten8);
+  put_eight(to + 9, digits % ten8);
+}
+
+/// A number like 0.00123, with so many zeros behind the point: its digits go straight to where they belong. Null where
+/// a single digit is left: that may be shorter in the scientific form.
+inline char* put_below_one(char* to, bool negative, std::uint64_t digits, int length, int zeros) {
+  char* const start = to + (negative ? 1 : 0);
+  char* end = start + 2 + zeros + length;
+  *to = '-';
+  std::memcpy(start, "0.000", 5);
+  put_digits(end - 17, digits);
+  start[1] = '.';  // a zero in front of 16 digits may have been put there
+  while (end[-1] == '0') --end;
+  return end - start > 2 + zeros + 1 ? end : nullptr;
+}
+
+/// d.ddde-05 of `count` digits.
+inline char* put_scientific(char* to, const char* digits, int count, int exponent) {
+  *to++ = *digits;
+  if (count > 1) {
+    *to++ = '.';
+    std::memcpy(to, digits + 1, static_cast<std::size_t>(count - 1));
+    to += count - 1;
+  }
+  *to++ = 'e';
+  *to++ = '-';
+  *to++ = static_cast<char>('0' + exponent / 10);
+  *to++ = static_cast<char>('0' + exponent % 10);
+  return to;
+}
+
+/// ddd.ddd with `whole` digits before the point, or 0.000ddd for whole <= 0.
+inline char* put_fixed(char* to, const char* digits, int count, int whole) {
+  if (whole > 0) {
+    std::memcpy(to, digits, static_cast<std::size_t>(whole));
+    to += whole;
+    *to++ = '.';
+    digits += whole;
+    count -= whole;
+  } else {
+    std::memcpy(to, "0.000", 5);
+    to += 2 - whole;
+  }
+  std::memcpy(to, digits, static_cast<std::size_t>(count));
+  return to + count;
+}
+
 }  // namespace shortest
 
 /// std::to_chars(to, to + longest_number, value).ptr
@@ -108,69 +161,28 @@ inline char* put_shortest(char* to, double value) {
   if (q < -122 || q > -3) return slowly();
   const shortest::Decimal decimal = shortest::decimal((bits & fraction) | (fraction + 1), q);
   const std::uint64_t digits = decimal.digits;
-  const int power = decimal.exponent;
+  const bool negative = bits >> 63 != 0;
 
-  // 17 digits with zeros in front. They go straight to where they belong if the number is like 0.00123; all others take
-  // a detour.
-  constexpr std::uint64_t ten8 = 100000000, ten16 = ten8 * ten8;
-  const auto put_digits = [&](char* at) {
-    at[0] = static_cast<char>('0' + digits / ten16);
-    shortest::put_eight(at + 1, digits / ten8 % ten8);
-    shortest::put_eight(at + 9, digits % ten8);
-  };
-  const int length = digits >= ten16 ? 17 : 16;
-  if (const int zeros = -length - power; digits >= ten16 / 10 && zeros >= 0 && zeros <= 3) {
-    char* const start = to + (bits >> 63);
-    char* end = start + 2 + zeros + length;
-    *to = '-';
-    std::memcpy(start, "0.000", 5);
-    put_digits(end - 17);
-    start[1] = '.';  // a zero in front of 16 digits may have been put there
-    while (end[-1] == '0') --end;
-    if (end - start > 2 + zeros + 1) return end;
-    return slowly();  // a single digit may be shorter in the scientific form
+  const int length = digits >= shortest::ten16 ? 17 : 16;
+  const int zeros = -length - decimal.exponent;
+  if (digits >= shortest::ten16 / 10 && zeros >= 0 && zeros <= 3) {
+    char* const end = shortest::put_below_one(to, negative, digits, length, zeros);
+    return end != nullptr ? end : slowly();
   }
 
   std::array<char, 17> text;
-  put_digits(text.data());
+  shortest::put_digits(text.data(), digits);
   std::size_t first = 0, last = text.size();
   while (text[first] == '0') ++first;
-  const int whole = static_cast<int>(last - first) + power;  // digits before the point
+  const int whole = static_cast<int>(last - first) + decimal.exponent;  // digits before the point
   while (text[last - 1] == '0') --last;
   const auto count = static_cast<int>(last - first);
   if (count <= whole) return slowly();  // no point at all
-
-  const char* from = text.data() + first;
-  const auto put = [&](int how_many) {
-    std::memcpy(to, from, static_cast<std::size_t>(how_many));
-    to += how_many;
-    from += how_many;
-  };
-  if (bits >> 63 != 0) *to++ = '-';
+  if (negative) *to++ = '-';
   const int fixed_length = whole > 0 ? count + 1 : count + 2 - whole;
   const int scientific_length = count + (count > 1 ? 5 : 4);
-  if (fixed_length > scientific_length) {
-    put(1);
-    if (count > 1) {
-      *to++ = '.';
-      put(count - 1);
-    }
-    const int exponent = 1 - whole;
-    *to++ = 'e';
-    *to++ = '-';
-    *to++ = static_cast<char>('0' + exponent / 10);
-    *to++ = static_cast<char>('0' + exponent % 10);
-    return to;
-  }
-  if (whole > 0) {
-    put(whole);
-    *to++ = '.';
-  } else {
-    std::memcpy(to, "0.000", 5);
-    to += 2 - whole;
-  }
-  put(static_cast<int>(text.data() + last - from));
-  return to;
+  return fixed_length > scientific_length ? shortest::put_scientific(to, text.data() + first, count, 1 - whole)
+                                          : shortest::put_fixed(to, text.data() + first, count, whole);
 }
 
 }  // namespace alcap::detail

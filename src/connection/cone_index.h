@@ -20,7 +20,7 @@ inline constexpr double multiple_tolerance = 1e-6;
 /// Throws OptionError unless `turns` is a multiple of 1/n.
 inline void check_multiple(const char* field, double turns, int n) {
   if (!(std::abs(turns * n - std::nearbyint(turns * n)) <= multiple_tolerance))
-    throw OptionError(field, std::to_string(turns), "must be a multiple of 1/" + std::to_string(n));
+    throw OptionError(field, turns, "must be a multiple of 1/" + std::to_string(n));
 }
 
 }  // namespace alcap::detail

@@ -87,7 +87,7 @@ class Balance {
 
 void check_cone(const Mesh& mesh, const Cone& cone, int n) {
   if (cone.vertex < 0 || cone.vertex >= mesh.vertices() || !mesh.referenced(cone.vertex))
-    throw OptionError("cones", std::to_string(cone.vertex), "must be a vertex that a face uses");
+    throw OptionError("cones", cone.vertex, "must be a vertex that a face uses");
   detail::check_multiple("cones", cone.index, n);
 }
 
@@ -95,7 +95,7 @@ void check_cone(const Mesh& mesh, const Cone& cone, int n) {
 
 std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
                                 const BalanceOptions& options) {
-  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+  if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
   const Topology topology = find_topology(mesh);
   Balance balance(mesh, geometry, topology, options.n);
   for (const Cone& cone : cones) {

@@ -11,8 +11,7 @@ double holonomy(const Mesh& mesh, const Geometry& geometry, const Connection& co
   double sum = 0;
   for (const Index h : strip.halfedges) {
     const Index g = mesh.twin(h);
-    if (g == none)
-      throw OptionError("strip", std::to_string(h), "this halfedge lies on the boundary and cannot be crossed");
+    if (g == none) throw OptionError("strip", h, "this halfedge lies on the boundary and cannot be crossed");
     sum += pi<double> + connection.edge_to_face(geometry, h) - connection.edge_to_face(geometry, g);
   }
   return wrap(sum);

@@ -23,7 +23,7 @@ using detail::check_multiple;
 // Wanted vertex indices; throws unless every component's sum can be met.
 Vector check_cones(const Mesh& mesh, const Topology& topology, const std::vector<Cone>& cones,
                    const TrivialOptions& options) {
-  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+  if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
   Vector index = Vector::Zero(mesh.vertices());
   std::vector<double> sum(topology.components.size(), 0.0);
   for (const Cone& cone : cones) {
@@ -51,9 +51,10 @@ Vector check_cones(const Mesh& mesh, const Topology& topology, const std::vector
     if (component.boundary_loops > 0 && options.loop_index.empty()) continue;
     const double missing = component.euler - sum[c];
     if (std::abs(missing) * options.n > detail::multiple_tolerance)
-      throw OptionError("cones", std::to_string(sum[c]),
+      throw OptionError("cones", detail::nearest_multiple(sum[c], options.n),
                         "the indices of component " + std::to_string(c) + " must sum to its Euler characteristic " +
-                            std::to_string(component.euler) + "; " + std::to_string(missing) + " is missing");
+                            std::to_string(component.euler) + "; " +
+                            detail::number_text(detail::nearest_multiple(missing, options.n)) + " is missing");
   }
   return index;
 }

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "src/base/large_array.h"
+#include "src/base/array.h"
 #include "src/base/parallel.h"
 #include "src/simd/angles.h"
 #include "src/simd/triangle_entries.h"
@@ -18,8 +18,8 @@ namespace alcap {
 namespace {
 
 struct TriangleEntries {
-  detail::LargeArray<double> stiffness_diagonal;
-  detail::LargeArray<Complex<double>> stiffness_off, mass_off;
+  detail::Array<double> stiffness_diagonal;
+  detail::Array<Complex<double>> stiffness_off, mass_off;
 };
 
 void check_pattern(const Mesh& mesh, const HermitianPattern& pattern) {
@@ -29,9 +29,9 @@ void check_pattern(const Mesh& mesh, const HermitianPattern& pattern) {
 }
 
 TriangleEntries entries_of_triangles(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n) {
-  const auto faces = static_cast<std::size_t>(mesh.faces());
-  TriangleEntries entries{detail::LargeArray<double>(3 * faces), detail::LargeArray<Complex<double>>(3 * faces),
-                          detail::LargeArray<Complex<double>>(faces)};
+  const std::int64_t faces = mesh.faces();
+  TriangleEntries entries{detail::Array<double>(3 * faces), detail::Array<Complex<double>>(3 * faces),
+                          detail::Array<Complex<double>>(faces)};
   const detail::TriangleInputs<double> in{.cot = geometry.cots().data(),
                                           .area = geometry.areas().data(),
                                           .curvature = connection.K.data(),
@@ -87,11 +87,11 @@ StiffnessMass stiffness_and_mass(const Mesh& mesh, const HermitianPattern& patte
   const TriangleEntries entries = entries_of_triangles(mesh, geometry, connection, n);
   for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<double>& phase) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    Complex<double> s = entries.stiffness_off[static_cast<std::size_t>(h)];
-    Complex<double> m = entries.mass_off[static_cast<std::size_t>(h / 3)];
+    Complex<double> s = entries.stiffness_off[h];
+    Complex<double> m = entries.mass_off[h / 3];
     if (g != none) {
-      s += std::conj(entries.stiffness_off[static_cast<std::size_t>(g)]);
-      m += std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
+      s += std::conj(entries.stiffness_off[g]);
+      m += std::conj(entries.mass_off[g / 3]);
     }
     set_pair(out.S, pattern, e, plain_product(phase, s));
     set_pair(out.M, pattern, e, plain_product(phase, m));
@@ -99,7 +99,7 @@ StiffnessMass stiffness_and_mass(const Mesh& mesh, const HermitianPattern& patte
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     double stiffness = 0, area = 0;
     mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) {
-      stiffness += entries.stiffness_diagonal[static_cast<std::size_t>(h)];
+      stiffness += entries.stiffness_diagonal[h];
       area += geometry.area(h / 3);
     });
     const Index slot = pattern.diagonal(static_cast<Index>(v));
@@ -117,9 +117,9 @@ SparseMatrix<Complex<double>> curvature_and_boundary(const Mesh& mesh, const Her
   const auto density = [&](Index t) { return double(n) * connection.K[t] / geometry.area(t); };
   for_each_edge(mesh, connection, n, [&](std::int64_t e, const Complex<double>& phase) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
-    Complex<double> c = density(h / 3) * entries.mass_off[static_cast<std::size_t>(h / 3)];
+    Complex<double> c = density(h / 3) * entries.mass_off[h / 3];
     if (g != none)
-      c += density(g / 3) * std::conj(entries.mass_off[static_cast<std::size_t>(g / 3)]);
+      c += density(g / 3) * std::conj(entries.mass_off[g / 3]);
     else
       c += Complex<double>(0, double(-0.5));  // Im(conj(u_i) e^{iR} u_j) for the boundary halfedge i -> j
     set_pair(A, pattern, e, plain_product(phase, c));
@@ -134,8 +134,7 @@ SparseMatrix<Complex<double>> curvature_and_boundary(const Mesh& mesh, const Her
 
 void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, const Geometry& geometry,
                          const Connection& connection, int n, double s, SparseMatrix<Complex<double>>& S) {
-  if (!(s >= double(-1) && s <= double(1)))
-    throw OptionError("s", std::to_string(s), "the energy family needs s in [-1, 1]");
+  if (!(s >= double(-1) && s <= double(1))) throw OptionError("s", s, "the energy family needs s in [-1, 1]");
   if (s == double(0)) return;
   const SparseMatrix<Complex<double>> difference = curvature_and_boundary(mesh, pattern, geometry, connection, n);
   parallel_for(S.nonZeros(), [&](std::int64_t k) { S.valuePtr()[k] -= s * difference.valuePtr()[k]; });

@@ -154,8 +154,7 @@ Complex<double> flux_and_circulation(const Mesh& mesh, const Geometry& geometry,
 FaceField face_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                      const ComplexVectorX<double>& u, Index t) {
   check_vertices(mesh, u.size());
-  if (t < 0 || t >= mesh.faces())
-    throw OptionError("t", std::to_string(t), "must be a face, 0 to " + std::to_string(mesh.faces() - 1));
+  if (t < 0 || t >= mesh.faces()) throw OptionError("t", t, "must be a face, 0 to " + std::to_string(mesh.faces() - 1));
   const kernels::TriangleFrame<double> f = detail::triangle_frame(mesh, geometry, connection, t);
   FaceField out;
   out.n = static_cast<double>(n);

@@ -36,8 +36,8 @@ double third_of_faces(const Mesh& mesh, const Geometry& geometry, Index v) {
 
 Field curvature_field(const ConnectedSurface& surface, const CurvatureOptions& options) {
   if (options.n < 2 || options.n % 2 != 0)
-    throw OptionError("n", std::to_string(options.n), "principal directions are lines: n must be even");
-  if (options.rings < 0) throw OptionError("rings", std::to_string(options.rings), "must not be negative");
+    throw OptionError("n", options.n, "principal directions are lines: n must be even");
+  if (options.rings < 0) throw OptionError("rings", options.rings, "must not be negative");
   const Positions<double>& V = surface.positions();
   const Mesh& mesh = surface.mesh();
   const Geometry& geometry = surface.geometry();

@@ -15,7 +15,7 @@ namespace alcap {
 namespace {
 
 void check_degree(int n) {
-  if (n < 1) throw OptionError("n", std::to_string(n), "the degree of a field is at least 1");
+  if (n < 1) throw OptionError("n", n, "the degree of a field is at least 1");
 }
 
 void check_frames(const Field& field) {
@@ -79,7 +79,7 @@ Complex<double> Field::branch(Index v, int k) const {
 }
 
 Positions<double> Field::vectors(int k) const {
-  if (k < 0 || k >= n) throw OptionError("k", std::to_string(k), "branches are numbered 0 to n - 1");
+  if (k < 0 || k >= n) throw OptionError("k", k, "branches are numbered 0 to n - 1");
   check_frames(*this);
   const detail::Branches branches(n);
   Positions<double> out(u.size(), 3);

@@ -1,34 +1,31 @@
 // SPDX-License-Identifier: MIT
 #include "alcap/smoothest.h"
 
-#include <chrono>
 #include <string>
 #include <utility>
 
 #include "alcap/connected_surface.h"
 #include "alcap/energies.h"
+#include "src/base/cancel.h"
+#include "src/base/clock.h"
 #include "src/base/parallel.h"
 #include "src/field/component_blocks.h"
 
 namespace alcap {
 namespace {
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
                       const Topology& topology, const SmoothestOptions& options) {
-  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+  if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
+  const detail::ControlScope scope(options.eigen.cancel);
 
-  const auto start = std::chrono::steady_clock::now();
+  detail::Stopwatch watch;
   SmoothestResult result;
   result.field.n = options.n;
   // Made in place: Eigen's sparse matrices copy when they are moved.
   const StiffnessMass matrices = energy_matrices(mesh, geometry, connection, options.n, options.s);
-  result.assembly_seconds = seconds_since(start);
+  result.assembly_seconds = watch.lap();
 
-  const auto solve_start = std::chrono::steady_clock::now();
   const std::vector<double> areas = detail::areas_of_components(geometry, topology);
   if (topology.components.size() == 1 && mesh.referenced_vertices() == mesh.vertices()) {
     EigenResult eigen = smallest_eigenpair(matrices.S, matrices.M, areas[0], options.eigen);
@@ -55,7 +52,7 @@ SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connecti
         },
         1);
   }
-  result.eigen_seconds = seconds_since(solve_start);
+  result.eigen_seconds = watch.seconds();
   return result;
 }
 

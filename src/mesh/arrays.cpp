@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 
 namespace alcap::detail {
@@ -55,8 +56,7 @@ template <class T>
       break;
     }
   }
-  throw MeshError(std::to_string(count) + (count == 1 ? " face has" : " faces have") +
-                      " an index that is negative or not below 2^31: " + example,
+  throw MeshError(counted(count, "face has", "faces have") + " an index that is negative or not below 2^31: " + example,
                   Defect::index_out_of_range, Element::face, count, std::move(first));
 }
 

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "alcap/conventions.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 
 namespace alcap::detail {
 
@@ -24,13 +26,12 @@ struct Buckets {
 /// vertex, halfedges of an edge in order of their number. Usable faces must have three different in-range vertices.
 class FaceEdges {
  public:
-  FaceEdges(const FacesRef& F, const std::vector<char>& usable);
+  FaceEdges(const FacesRef& F, const Array<char>& usable);
 
   [[nodiscard]] std::size_t edges() const { return begin_.size() - 1; }
   /// The halfedges of an edge.
   [[nodiscard]] std::span<const Index> halfedges(std::size_t edge) const {
-    return std::span(sorted_).subspan(static_cast<std::size_t>(begin_[edge]),
-                                      static_cast<std::size_t>(begin_[edge + 1] - begin_[edge]));
+    return std::span(sorted_).subspan(at(begin_[edge]), at(begin_[edge + 1] - begin_[edge]));
   }
 
  private:
@@ -39,12 +40,12 @@ class FaceEdges {
 
 /// How faces must be turned for neighbours to agree. Neighbours are the two faces of an edge that has exactly two.
 struct Orientation {
-  std::vector<char> turned;       // per face: against the smallest face of its piece
-  std::vector<Index> piece;       // per face, `none` where not usable
+  Array<char> turned;             // per face: against the smallest face of its piece
+  Array<Index> piece;             // per face, `none` where not usable
   std::vector<Index> first_face;  // per piece
   std::vector<char> orientable;   // per piece
 };
-[[nodiscard]] Orientation orient(const FacesRef& F, const std::vector<char>& usable, const FaceEdges& edges);
+[[nodiscard]] Orientation orient(const FacesRef& F, const Array<char>& usable, const FaceEdges& edges);
 
 /// Groups 0, 1, ..., count - 1 by key(i), which is in [0, keys) or `none` to leave i out. Memory O(count), however many
 /// keys there could be.
@@ -62,22 +63,24 @@ Buckets bucket(Index count, Index keys, Key&& key) {
     b.start.push_back(static_cast<Index>(b.items.size()));
     return b;
   }
-  b.start.assign(static_cast<std::size_t>(keys) + 1, 0);
+  b.start.assign(at(keys) + 1, 0);
   for (Index i = 0; i < count; ++i) {
+    check_cancelled_at(i);
     const Index k = key(i);
-    if (k != none) ++b.start[static_cast<std::size_t>(k) + 1];
+    if (k != none) ++b.start[at(k) + 1];
   }
   for (std::size_t k = 1; k < b.start.size(); ++k) b.start[k] += b.start[k - 1];
-  b.items.resize(static_cast<std::size_t>(b.start.back()));
-  std::vector<Index> at(b.start.begin(), b.start.end() - 1);
+  b.items.resize(at(b.start.back()));
+  std::vector<Index> next(b.start.begin(), b.start.end() - 1);
   for (Index i = 0; i < count; ++i) {
+    check_cancelled_at(i);
     const Index k = key(i);
-    if (k != none) b.items[static_cast<std::size_t>(at[static_cast<std::size_t>(k)]++)] = i;
+    if (k != none) b.items[at(next[at(k)]++)] = i;
   }
   return b;
 }
 
 /// One more than the largest vertex of the usable faces.
-[[nodiscard]] Index vertex_limit(const FacesRef& F, const std::vector<char>& usable);
+[[nodiscard]] Index vertex_limit(const FacesRef& F, const Array<char>& usable);
 
 }  // namespace alcap::detail

@@ -10,6 +10,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "src/base/cancel.h"
 #include "src/base/random.h"
 
 namespace alcap {
@@ -17,14 +18,15 @@ namespace {
 
 using Point = Eigen::RowVector3d;
 
-void require(bool good, const char* field, const std::string& value, const char* rule) {
+template <class Number>
+void require(bool good, const char* field, Number value, const char* rule) {
   if (!good) throw OptionError(field, value, rule);
 }
 void at_least(std::int64_t value, std::int64_t least, const char* field) {
-  if (value < least) throw OptionError(field, std::to_string(value), "must be at least " + std::to_string(least));
+  if (value < least) throw OptionError(field, value, "must be at least " + std::to_string(least));
 }
 void positive(double value, const char* field) {
-  require(value > 0 && std::isfinite(value), field, std::to_string(value), "must be positive and finite");
+  require(value > 0 && std::isfinite(value), field, value, "must be positive and finite");
 }
 
 /// 1-to-4 split; midpoints are numbered in the order in which the halfedges meet them.
@@ -37,6 +39,7 @@ MeshData subdivided(const MeshData& s) {
   midpoint.reserve(static_cast<std::size_t>(faces * 3 / 2));
   Index next = old;
   for (Eigen::Index t = 0; t < faces; ++t) {
+    detail::check_cancelled_at(t);
     Index m[3];
     for (int c = 0; c < 3; ++c) {
       const Index i = s.F(t, c), j = s.F(t, (c + 1) % 3);
@@ -67,7 +70,7 @@ MeshData icosahedron() {
 /// Refuses a by b quads when their halfedges could not be numbered.
 void check_quads(std::int64_t a, std::int64_t b, const char* field) {
   constexpr std::int64_t most = std::numeric_limits<Index>::max() / 6;
-  require(a * b <= most, field, std::to_string(b), "makes more faces than can be numbered");
+  require(a * b <= most, field, b, "makes more faces than can be numbered");
 }
 
 Positions<double> torus_points(int nu, int nv, double R, double r) {
@@ -108,7 +111,7 @@ void check_torus(int nu, int nv, double R, double r) {
   at_least(nv, 3, "nv");
   check_quads(nu, nv, "nv");
   positive(r, "r");
-  require(R > r && std::isfinite(R), "R", std::to_string(R), "must be finite and larger than r");
+  require(R > r && std::isfinite(R), "R", R, "must be finite and larger than r");
 }
 
 }  // namespace
@@ -136,14 +139,14 @@ MeshData cube() {
 }
 
 MeshData icosphere(int level) {
-  require(level >= 0 && level <= 12, "level", std::to_string(level), "must be in [0, 12]");
+  require(level >= 0 && level <= 12, "level", level, "must be in [0, 12]");
   MeshData s = icosahedron();
   for (int l = 0; l < level; ++l) s = subdivided(s);
   return s;
 }
 
 MeshData jittered_sphere(int level, double amount, std::uint64_t seed) {
-  require(amount >= 0 && amount <= 1, "amount", std::to_string(amount), "must be in [0, 1]");
+  require(amount >= 0 && amount <= 1, "amount", amount, "must be in [0, 1]");
   MeshData s = icosphere(level);
   double mean = 0;
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
@@ -152,6 +155,7 @@ MeshData jittered_sphere(int level, double amount, std::uint64_t seed) {
   mean /= static_cast<double>(3 * s.F.rows());
   detail::Random random(seed);
   for (Eigen::Index v = 0; v < s.V.rows(); ++v) {
+    detail::check_cancelled_at(v);
     const Point n = s.V.row(v);
     double x = 0, y = 0;
     do {
@@ -165,8 +169,8 @@ MeshData jittered_sphere(int level, double amount, std::uint64_t seed) {
 }
 
 MeshData bumpy_sphere(int level, double amplitude, double frequency) {
-  require(std::abs(amplitude) < 1, "amplitude", std::to_string(amplitude), "must be in (-1, 1)");
-  require(std::isfinite(frequency), "frequency", std::to_string(frequency), "must be finite");
+  require(std::abs(amplitude) < 1, "amplitude", amplitude, "must be in (-1, 1)");
+  require(std::isfinite(frequency), "frequency", frequency, "must be finite");
   MeshData s = icosphere(level);
   for (Eigen::Index v = 0; v < s.V.rows(); ++v) {
     s.V.row(v) *= 1 + amplitude * (frequency * s.V.row(v)).array().sin().sum() / 3;
@@ -223,7 +227,7 @@ MeshData grid(int nx, int ny, double width, double height) {
 
 MeshData disk(int rings) {
   at_least(rings, 1, "rings");
-  require(rings <= 8000, "rings", std::to_string(rings), "must be at most 8000");
+  require(rings <= 8000, "rings", rings, "must be at most 8000");
   const Eigen::Index r = rings;
   MeshData s{Positions<double>(1 + 3 * r * (r + 1), 3), Faces(6 * r * r, 3)};
   s.V.row(0).setZero();

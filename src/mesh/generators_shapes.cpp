@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "alcap/generators.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/base/random.h"
 
 namespace alcap {
@@ -33,6 +35,7 @@ void smooth(MeshData& s, int rounds) {
   }
   Positions<double> sum(s.V.rows(), 3);
   for (int round = 0; round < rounds; ++round) {
+    detail::check_cancelled();
     sum.setZero();
     for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
       for (int c = 0; c < 3; ++c) sum.row(s.F(t, c)) += s.V.row(s.F(t, (c + 1) % 3));
@@ -43,19 +46,19 @@ void smooth(MeshData& s, int rounds) {
 
 /// Drops vertices no face uses; the others keep their order.
 MeshData compacted(const MeshData& s, const std::vector<Eigen::RowVector<Index, 3>>& triangles) {
-  std::vector<Index> number(static_cast<std::size_t>(s.V.rows()), none);
+  detail::Array<Index> number(s.V.rows(), none);
   for (const auto& f : triangles) {
-    for (int c = 0; c < 3; ++c) number[static_cast<std::size_t>(f[c])] = 0;
+    for (int c = 0; c < 3; ++c) number[f[c]] = 0;
   }
   std::vector<Point> points;
-  for (std::size_t v = 0; v < number.size(); ++v) {
+  for (std::int64_t v = 0; v < number.size(); ++v) {
     if (number[v] == none) continue;
     number[v] = static_cast<Index>(points.size());
-    points.emplace_back(s.V.row(static_cast<Eigen::Index>(v)));
+    points.emplace_back(s.V.row(v));
   }
   MeshData out = pack(points, triangles);
   for (Eigen::Index t = 0; t < out.F.rows(); ++t) {
-    for (int c = 0; c < 3; ++c) out.F(t, c) = number[static_cast<std::size_t>(out.F(t, c))];
+    for (int c = 0; c < 3; ++c) out.F(t, c) = number[out.F(t, c)];
   }
   return out;
 }
@@ -82,6 +85,7 @@ void flip_some_edges(MeshData& s, double part, detail::Random& random) {
   };
   for (Index t = 0; t < s.F.rows(); ++t) add_face(t);
   for (Index h = 0; h < 3 * s.F.rows(); ++h) {
+    detail::check_cancelled_at(h);
     const Index t = h / 3, i = s.F(t, h % 3), j = s.F(t, (h + 1) % 3), k = s.F(t, (h + 2) % 3);
     const bool wanted = random.uniform() < part;
     const auto opposite = halfedge.find(directed(j, i));
@@ -101,9 +105,9 @@ void flip_some_edges(MeshData& s, double part, detail::Random& random) {
 }  // namespace
 
 MeshData genus_surface(int genus, int resolution) {
-  if (genus < 0 || genus > 1000) throw OptionError("genus", std::to_string(genus), "must be in [0, 1000]");
+  if (genus < 0 || genus > 1000) throw OptionError("genus", genus, "must be in [0, 1000]");
   if (resolution < 1 || resolution > 100) {
-    throw OptionError("resolution", std::to_string(resolution), "must be in [1, 100]");
+    throw OptionError("resolution", resolution, "must be in [1, 100]");
   }
   const std::int64_t r = resolution, size[3] = {(2 * genus + 1) * r, 3 * r, r};
   const auto solid = [&](const std::int64_t(&x)[3]) {
@@ -153,10 +157,10 @@ MeshData genus_surface(int genus, int resolution) {
 }
 
 MeshData cad_like(int segments, int steps) {
-  if (segments < 3) throw OptionError("segments", std::to_string(segments), "must be at least 3");
-  if (steps < 1) throw OptionError("steps", std::to_string(steps), "must be at least 1");
+  if (segments < 3) throw OptionError("segments", segments, "must be at least 3");
+  if (steps < 1) throw OptionError("steps", steps, "must be at least 1");
   if (std::int64_t{segments} * steps > std::numeric_limits<Index>::max() / 12) {
-    throw OptionError("steps", std::to_string(steps), "makes more faces than can be numbered");
+    throw OptionError("steps", steps, "makes more faces than can be numbered");
   }
   std::vector<Point> points;
   std::vector<Eigen::RowVector<Index, 3>> triangles;
@@ -192,8 +196,8 @@ MeshData cad_like(int segments, int steps) {
 }
 
 MeshData noisy_scan(int level, double noise, std::uint64_t seed) {
-  if (level < 3) throw OptionError("level", std::to_string(level), "must be in [3, 12]");
-  if (!(noise >= 0 && noise <= 0.5)) throw OptionError("noise", std::to_string(noise), "must be in [0, 0.5]");
+  if (level < 3) throw OptionError("level", level, "must be in [3, 12]");
+  if (!(noise >= 0 && noise <= 0.5)) throw OptionError("noise", noise, "must be in [0, 0.5]");
   MeshData s = jittered_sphere(level, 0.2, seed);
   detail::Random random(seed ^ 0x5ca15ca15ca15ca1ULL);
 
@@ -201,17 +205,17 @@ MeshData noisy_scan(int level, double noise, std::uint64_t seed) {
   // vertices. Such a cap is a hexagonal patch of a regular triangulation (five-sided at its middle), so the rest stays
   // manifold.
   const double scale = std::pow(0.5, level);
-  std::vector<char> gone(static_cast<std::size_t>(s.V.rows()), 0);
+  detail::Array<char> gone(s.V.rows(), 0);
   const MeshData regular = icosphere(level);
   for (Eigen::Index hole = 0; hole < 5; ++hole) {
     const double radius = std::max(0.3 * scale, hole == 0 ? 0.12 : 0.02 * static_cast<double>(hole));
     for (Eigen::Index v = 0; v < s.V.rows(); ++v) {
-      if ((regular.V.row(v) - regular.V.row(2 * hole)).norm() < radius) gone[static_cast<std::size_t>(v)] = 1;
+      if ((regular.V.row(v) - regular.V.row(2 * hole)).norm() < radius) gone[v] = 1;
     }
   }
   std::vector<Eigen::RowVector<Index, 3>> kept;
   for (Eigen::Index t = 0; t < s.F.rows(); ++t) {
-    const auto is_gone = [&](int c) { return gone[static_cast<std::size_t>(s.F(t, c))] != 0; };
+    const auto is_gone = [&](int c) { return gone[s.F(t, c)] != 0; };
     if (!is_gone(0) && !is_gone(1) && !is_gone(2)) kept.emplace_back(s.F.row(t));
   }
   s = compacted(s, kept);

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "alcap/mesh_check.h"
+#include "src/base/array.h"
 #include "src/base/parallel.h"
 #include "src/simd/angles.h"
 
@@ -44,8 +45,8 @@ Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& 
             area_[t] = twice_area / double(2);
             for (Index c = 0; c < 3; ++c) {
               const double dot = -side[c].dot(side[(c + 2) % 3]);
-              height[static_cast<std::size_t>(3 * i + c)] = twice_area;
-              width[static_cast<std::size_t>(3 * i + c)] = dot;
+              height[detail::at(3 * i + c)] = twice_area;
+              width[detail::at(3 * i + c)] = dot;
               cot_[3 * t + c] = dot / twice_area;
               const Index h = static_cast<Index>(3 * t + c);
               if (mesh.canonical(h)) length_[mesh.edge(h)] = side[c].norm();

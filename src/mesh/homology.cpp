@@ -7,32 +7,36 @@
 #include <numeric>
 
 #include "alcap/topology.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 
 namespace alcap {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+using detail::Array;
+using detail::at;
 
 /// Breadth-first tree over the faces of every component that has handles.
 struct FaceTree {
-  std::vector<Index> entry;  // the halfedge through which the tree leaves the parent towards this face, `none` at roots
-  std::vector<Index> depth;  // `none` for faces of components without handles
+  Array<Index> entry;  // the halfedge through which the tree leaves the parent towards this face, `none` at roots
+  Array<Index> depth;  // `none` for faces of components without handles
 };
 
 FaceTree grow_face_tree(const Mesh& mesh, const Topology& topology) {
-  FaceTree tree{std::vector<Index>(at(mesh.faces()), none), std::vector<Index>(at(mesh.faces()), none)};
+  FaceTree tree{Array<Index>(mesh.faces(), none), Array<Index>(mesh.faces(), none)};
   std::vector<Index> queue;
   for (const ComponentInfo& component : topology.components) {
     if (component.genus == 0) continue;
     queue.assign(1, component.first_face);
-    tree.depth[at(component.first_face)] = 0;
+    tree.depth[component.first_face] = 0;
     for (std::size_t q = 0; q < queue.size(); ++q) {
+      detail::check_cancelled_at(static_cast<std::int64_t>(q));
       const Index t = queue[q];
       for (Index h = 3 * t; h < 3 * t + 3; ++h) {
         const Index twin = mesh.twin(h);
-        if (twin == none || tree.depth[at(Mesh::face(twin))] != none) continue;
-        tree.depth[at(Mesh::face(twin))] = tree.depth[at(t)] + 1;
-        tree.entry[at(Mesh::face(twin))] = h;
+        if (twin == none || tree.depth[Mesh::face(twin)] != none) continue;
+        tree.depth[Mesh::face(twin)] = tree.depth[t] + 1;
+        tree.entry[Mesh::face(twin)] = h;
         queue.push_back(Mesh::face(twin));
       }
     }
@@ -42,22 +46,22 @@ FaceTree grow_face_tree(const Mesh& mesh, const Topology& topology) {
 
 class DisjointSets {
  public:
-  explicit DisjointSets(Index count) : parent_(at(count)) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
+  explicit DisjointSets(Index count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
 
   Index root(Index i) {
-    while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[at(i)]];
     return i;
   }
   /// Whether the two were apart.
   bool join(Index i, Index j) {
     i = root(i);
     j = root(j);
-    parent_[at(std::max(i, j))] = std::min(i, j);
+    parent_[std::max(i, j)] = std::min(i, j);
     return i != j;
   }
 
  private:
-  std::vector<Index> parent_;
+  Array<Index> parent_;
 };
 
 /// The cycle that crosses h out of face(h) and returns through the tree.
@@ -65,12 +69,12 @@ std::vector<Index> close_cycle(const Mesh& mesh, const FaceTree& tree, Index h) 
   std::vector<Index> down, up;  // from the meeting face to face(h); from face(twin(h)) to the meeting face
   Index s = Mesh::face(h), t = Mesh::face(mesh.twin(h));
   while (s != t) {
-    if (tree.depth[at(s)] >= tree.depth[at(t)]) {
-      const Index entry = tree.entry[at(s)];
+    if (tree.depth[s] >= tree.depth[t]) {
+      const Index entry = tree.entry[s];
       down.push_back(entry);
       s = Mesh::face(entry);
     } else {
-      const Index entry = tree.entry[at(t)];
+      const Index entry = tree.entry[t];
       up.push_back(mesh.twin(entry));
       t = Mesh::face(entry);
     }
@@ -91,11 +95,12 @@ std::vector<Loop> homology_generators(const Mesh& mesh, const Topology& topology
 
   // Interior edges that the tree of faces does not cross, those that close the longest cycles first.
   std::vector<Index> candidates;
-  const auto length = [&](Index h) { return tree.depth[at(Mesh::face(h))] + tree.depth[at(Mesh::face(mesh.twin(h)))]; };
+  const auto length = [&](Index h) { return tree.depth[Mesh::face(h)] + tree.depth[Mesh::face(mesh.twin(h))]; };
   for (Index e = 0; e < mesh.edges(); ++e) {
+    detail::check_cancelled_at(e);
     const Index h = mesh.halfedge(e), twin = mesh.twin(h);
-    if (twin == none || tree.depth[at(Mesh::face(h))] == none) continue;
-    if (tree.entry[at(Mesh::face(twin))] != h && tree.entry[at(Mesh::face(h))] != twin) candidates.push_back(h);
+    if (twin == none || tree.depth[Mesh::face(h)] == none) continue;
+    if (tree.entry[Mesh::face(twin)] != h && tree.entry[Mesh::face(h)] != twin) candidates.push_back(h);
   }
   std::stable_sort(candidates.begin(), candidates.end(), [&](Index a, Index b) { return length(a) > length(b); });
 
@@ -104,6 +109,7 @@ std::vector<Loop> homology_generators(const Mesh& mesh, const Topology& topology
     for (const Index h : loop.halfedges) sets.join(mesh.tail(h), mesh.tip(h));
   }
   for (const Index h : candidates) {
+    detail::check_cancelled();
     if (sets.join(mesh.tail(h), mesh.tip(h))) continue;
     generators.push_back({topology.face_component[at(Mesh::face(h))], close_cycle(mesh, tree, h)});
   }

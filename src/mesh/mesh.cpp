@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <atomic>
 #include <limits>
-#include <memory>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "alcap/mesh_check.h"
+#include "src/base/array.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -26,11 +26,9 @@ class Leaving {
     Index tip, halfedge;
   };
 
-  Leaving(const Index* F, Index halfedge_count, Index vertex_count)
-      : end_(std::make_unique_for_overwrite<Index[]>(static_cast<std::size_t>(vertex_count))),
-        entries_(std::make_unique_for_overwrite<Entry[]>(static_cast<std::size_t>(halfedge_count))) {
-    Index* const end = end_.get();
-    Entry* const entries = entries_.get();
+  Leaving(const Index* F, Index halfedge_count, Index vertex_count) : end_(vertex_count), entries_(halfedge_count) {
+    Index* const end = end_.data();
+    Entry* const entries = entries_.data();
     const bool shared = thread_limit() > 1;
     const auto increment = [shared](Index& slot) {
       return shared ? std::atomic_ref<Index>(slot).fetch_add(1, std::memory_order_relaxed) : slot++;
@@ -46,14 +44,13 @@ class Leaving {
   }
 
   /// In an order that depends on the threads, those of large buckets after sort_large() by tip.
-  [[nodiscard]] std::span<Entry> at(std::int64_t v) const {
-    const Index begin = v == 0 ? 0 : end_[static_cast<std::size_t>(v) - 1];
-    return {entries_.get() + begin, static_cast<std::size_t>(end_[static_cast<std::size_t>(v)] - begin)};
+  [[nodiscard]] std::span<const Entry> at(std::int64_t v) const {
+    return {entries_.data() + begin(v), detail::at(end_[v] - begin(v))};
   }
 
   /// Sorts what is too large to be searched from end to end. False if two halfedges run from v to the same vertex.
-  [[nodiscard]] bool sort_large(std::int64_t v) const {
-    const std::span<Entry> here = at(v);
+  [[nodiscard]] bool sort_large(std::int64_t v) {
+    const std::span<Entry> here(entries_.data() + begin(v), detail::at(end_[v] - begin(v)));
     bool distinct = true;
     if (here.size() <= searched_linearly) {
       for (std::size_t a = 1; a < here.size(); ++a)
@@ -80,12 +77,14 @@ class Leaving {
  private:
   static constexpr std::size_t searched_linearly = 16;  // two cache lines
 
-  std::unique_ptr<Index[]> end_;
-  std::unique_ptr<Entry[]> entries_;
+  [[nodiscard]] Index begin(std::int64_t v) const { return v == 0 ? 0 : end_[v - 1]; }
+
+  detail::Array<Index> end_;
+  detail::Array<Entry> entries_;
 };
 
 // Twins of all halfedges. False where an edge has two halfedges of one direction.
-bool find_twins(const Leaving& leaving, Index vertex_count, Index halfedge_count, Index* twin) {
+bool find_twins(Leaving& leaving, Index vertex_count, Index halfedge_count, Index* twin) {
   const bool distinct = parallel_reduce(
       std::int64_t{vertex_count}, true,
       [&](std::int64_t begin, std::int64_t end) {
@@ -122,21 +121,21 @@ void number_edges(const VectorX<Index>& twin, VectorX<Index>& edge, VectorX<Inde
   const std::int64_t chunks = (n + reduction_chunk - 1) / reduction_chunk;
   const auto limit = [n](std::int64_t c) { return static_cast<Index>(std::min(n, (c + 1) * reduction_chunk)); };
   const auto canonical = [&](Index h) { return twin[h] == none || h < twin[h]; };
-  const auto before = std::make_unique_for_overwrite<Index[]>(static_cast<std::size_t>(chunks));
+  detail::Array<Index> before(chunks);
   parallel_for(
       chunks,
       [&](std::int64_t c) {
         Index count = 0;
         for (auto h = static_cast<Index>(c * reduction_chunk); h < limit(c); ++h) count += canonical(h) ? 1 : 0;
-        before[static_cast<std::size_t>(c)] = count;
+        before[c] = count;
       },
       1);
-  edge_halfedge.resize(parallel_exclusive_scan(before.get(), chunks));
+  edge_halfedge.resize(parallel_exclusive_scan(before.data(), chunks));
   edge.resize(n);
   parallel_for(
       chunks,
       [&](std::int64_t c) {
-        Index e = before[static_cast<std::size_t>(c)];
+        Index e = before[c];
         for (auto h = static_cast<Index>(c * reduction_chunk); h < limit(c); ++h) {
           if (!canonical(h)) continue;
           edge_halfedge[e] = h;
@@ -178,7 +177,7 @@ Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
   if (!in_range(F_, vertex_count)) throw_first_defect(F_, vertex_count);
   vertex_count_ = static_cast<Index>(vertex_count);
 
-  const Leaving leaving(F_.data(), halfedges(), vertex_count_);
+  Leaving leaving(F_.data(), halfedges(), vertex_count_);
   twin_.resize(halfedges());
   if (!find_twins(leaving, vertex_count_, halfedges(), twin_.data())) throw_first_defect(F_, vertex_count);
 
@@ -229,7 +228,7 @@ Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
 
 void Mesh::check_vertex(const char* name, Index v) const {
   if (v < 0 || v >= vertices())
-    throw OptionError(name, std::to_string(v), "there is no such vertex; the mesh has " + std::to_string(vertices()));
+    throw OptionError(name, v, "there is no such vertex; the mesh has " + std::to_string(vertices()));
 }
 
 Index Mesh::halfedge(Index i, Index j) const {

@@ -9,6 +9,9 @@
 #include <limits>
 #include <numeric>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
+#include "src/base/numbers.h"
 #include "src/mesh/face_edges.h"
 
 namespace alcap {
@@ -47,8 +50,8 @@ std::string names(const Found& found, Element element) {
 void report(std::vector<DefectReport>& reports, Found found, Defect defect, Element element, const std::string& one,
             const std::string& many, const std::string& remedy) {
   if (found.count == 0) return;
-  std::string message = std::to_string(found.count) + " " + (found.count == 1 ? one : many) + ": " +
-                        names(found, element) + "; " + remedy;
+  std::string message =
+      detail::counted(found.count, one.c_str(), many.c_str()) + ": " + names(found, element) + "; " + remedy;
   reports.push_back({defect, element, found.count, std::move(found.first), std::move(message)});
 }
 
@@ -76,10 +79,11 @@ bool repeats_vertex(const FacesRef& F, Eigen::Index t) {
 }
 
 void check_each_face(std::vector<DefectReport>& reports, const FacesRef& F, std::int64_t vertices,
-                     std::vector<char>& usable) {
+                     detail::Array<char>& usable) {
   Found out, repeated;
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
-    char& good = usable[static_cast<std::size_t>(t)];
+    detail::check_cancelled_at(t);
+    char& good = usable[t];
     good = 0;
     if (!face_in_range(F, t, vertices)) {
       out.add(static_cast<Index>(t));
@@ -98,16 +102,16 @@ void check_each_face(std::vector<DefectReport>& reports, const FacesRef& F, std:
 }
 
 /// Faces with the vertices of an earlier face, in either orientation.
-void check_duplicates(std::vector<DefectReport>& reports, const FacesRef& F, std::vector<char>& usable) {
+void check_duplicates(std::vector<DefectReport>& reports, const FacesRef& F, detail::Array<char>& usable) {
   const auto sorted = [&](Index t) {
     std::array<Index, 3> f{F(t, 0), F(t, 1), F(t, 2)};
     std::sort(f.begin(), f.end());
     return f;
   };
-  detail::Buckets b = detail::bucket(static_cast<Index>(F.rows()), detail::vertex_limit(F, usable), [&](Index t) {
-    return usable[static_cast<std::size_t>(t)] != 0 ? F.row(t).minCoeff() : none;
-  });
+  detail::Buckets b = detail::bucket(static_cast<Index>(F.rows()), detail::vertex_limit(F, usable),
+                                     [&](Index t) { return usable[t] != 0 ? F.row(t).minCoeff() : none; });
   for (std::size_t v = 0; v + 1 < b.start.size(); ++v) {
+    detail::check_cancelled_at(static_cast<std::int64_t>(v));
     const auto begin = b.items.begin() + b.start[v], end = b.items.begin() + b.start[v + 1];
     if (end - begin < 2) continue;
     std::sort(begin, end, [&](Index s, Index t) {
@@ -115,11 +119,11 @@ void check_duplicates(std::vector<DefectReport>& reports, const FacesRef& F, std
       return fs != ft ? fs < ft : s < t;
     });
     for (auto at = begin + 1; at < end; ++at) {
-      if (sorted(at[0]) == sorted(at[-1])) usable[static_cast<std::size_t>(*at)] = 2;
+      if (sorted(at[0]) == sorted(at[-1])) usable[*at] = 2;
     }
   }
   Found found;
-  for (std::size_t t = 0; t < usable.size(); ++t) {
+  for (std::int64_t t = 0; t < usable.size(); ++t) {
     if (usable[t] != 2) continue;
     found.add(static_cast<Index>(t));
     usable[t] = 0;
@@ -132,6 +136,7 @@ void check_duplicates(std::vector<DefectReport>& reports, const FacesRef& F, std
 void check_edges(std::vector<DefectReport>& reports, const FacesRef& F, const detail::FaceEdges& edges) {
   Found found;
   for (std::size_t e = 0; e < edges.edges(); ++e) {
+    detail::check_cancelled_at(static_cast<std::int64_t>(e));
     const auto h = edges.halfedges(e);
     if (h.size() > 2) found.add_edge(F(h[0] / 3, h[0] % 3), F(h[0] / 3, (h[0] + 1) % 3));
   }
@@ -157,26 +162,26 @@ void check_orientation(std::vector<DefectReport>& reports, const FacesRef& F, co
   for (std::size_t e = 0; e < edges.edges(); ++e) {
     const auto h = edges.halfedges(e);
     if (h.size() != 2 || F(h[0] / 3, h[0] % 3) != F(h[1] / 3, h[1] % 3)) continue;
-    const Index piece = orientation.piece[static_cast<std::size_t>(h[0] / 3)];
-    if (orientation.orientable[static_cast<std::size_t>(piece)] == 0) continue;
+    const Index piece = orientation.piece[h[0] / 3];
+    if (orientation.orientable[detail::at(piece)] == 0) continue;
     found.add_edge(F(h[0] / 3, h[0] % 3), F(h[0] / 3, (h[0] + 1) % 3));
   }
   report(reports, std::move(found), Defect::inconsistent_orientation, Element::edge,
          "edge runs the same way in both of its faces (inconsistent orientation)",
          "edges run the same way in both of their faces (inconsistent orientation)",
-         "turn the faces with --repair orient");
+         "turn the faces with repair_orientation()");
 }
 
 /// Vertices whose faces fall into several fans that share no edge. Corners are joined across edges of any number of
 /// faces, so that the ends of a non-manifold edge are not named again.
-void check_vertices(std::vector<DefectReport>& reports, const FacesRef& F, const std::vector<char>& usable,
+void check_vertices(std::vector<DefectReport>& reports, const FacesRef& F, const detail::Array<char>& usable,
                     const detail::FaceEdges& edges) {
-  std::vector<Index> parent(3 * usable.size());
+  detail::Array<Index> parent(3 * usable.size());
   std::iota(parent.begin(), parent.end(), Index{0});
   const auto root = [&](Index c) {
-    while (parent[static_cast<std::size_t>(c)] != c) {
-      Index& p = parent[static_cast<std::size_t>(c)];
-      p = parent[static_cast<std::size_t>(p)];
+    while (parent[c] != c) {
+      Index& p = parent[c];
+      p = parent[p];
       c = p;
     }
     return c;
@@ -184,9 +189,10 @@ void check_vertices(std::vector<DefectReport>& reports, const FacesRef& F, const
   const auto join = [&](Index a, Index b) {
     a = root(a);
     b = root(b);
-    parent[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+    parent[std::max(a, b)] = std::min(a, b);
   };
   for (std::size_t e = 0; e < edges.edges(); ++e) {
+    detail::check_cancelled_at(static_cast<std::int64_t>(e));
     const auto h = edges.halfedges(e);
     const auto next = [](Index k) { return k % 3 == 2 ? k - 2 : k + 1; };
     for (std::size_t k = 1; k < h.size(); ++k) {
@@ -196,9 +202,9 @@ void check_vertices(std::vector<DefectReport>& reports, const FacesRef& F, const
     }
   }
   std::vector<Index> fans;  // the vertex of each fan
-  for (std::size_t c = 0; c < parent.size(); ++c) {
+  for (std::int64_t c = 0; c < parent.size(); ++c) {
     if (usable[c / 3] == 0 || parent[c] != static_cast<Index>(c)) continue;
-    fans.push_back(F(static_cast<Eigen::Index>(c / 3), static_cast<Eigen::Index>(c % 3)));
+    fans.push_back(F(c / 3, c % 3));
   }
   std::sort(fans.begin(), fans.end());
   Found found;
@@ -213,7 +219,7 @@ void check_vertices(std::vector<DefectReport>& reports, const FacesRef& F, const
 }
 
 /// Everything that stops faces from being oriented. Leaves in `usable` the faces that later checks may look at.
-std::vector<DefectReport> find_face_defects(const FacesRef& F, std::int64_t vertices, std::vector<char>& usable) {
+std::vector<DefectReport> find_face_defects(const FacesRef& F, std::int64_t vertices, detail::Array<char>& usable) {
   std::vector<DefectReport> reports;
   if (F.rows() == 0) {
     reports.push_back({Defect::empty, Element::face, 0, {}, "the mesh has no faces; check that the file is complete"});
@@ -221,7 +227,7 @@ std::vector<DefectReport> find_face_defects(const FacesRef& F, std::int64_t vert
   }
   check_size(reports, F.rows(), vertices);
   if (!reports.empty()) return reports;
-  usable.assign(static_cast<std::size_t>(F.rows()), 1);
+  usable = detail::Array<char>(F.rows(), 1);
   check_each_face(reports, F, vertices, usable);
   check_duplicates(reports, F, usable);
   return reports;
@@ -230,7 +236,7 @@ std::vector<DefectReport> find_face_defects(const FacesRef& F, std::int64_t vert
 }  // namespace
 
 std::vector<DefectReport> find_defects(const FacesRef& F, std::int64_t vertex_count) {
-  std::vector<char> usable;
+  detail::Array<char> usable;
   std::vector<DefectReport> reports = find_face_defects(F, vertex_count, usable);
   if (usable.empty()) return reports;
   const detail::FaceEdges edges(F, usable);
@@ -245,16 +251,17 @@ std::vector<DefectReport> find_defects(const FacesRef& F, std::int64_t vertex_co
 std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRef& F) {
   std::vector<DefectReport> reports;
   Found not_finite, zero_area, zero_length;
-  std::vector<char> finite(static_cast<std::size_t>(V.rows()));
+  detail::Array<char> finite(V.rows());
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
-    finite[static_cast<std::size_t>(v)] = V.row(v).allFinite();
+    finite[v] = V.row(v).allFinite();
     if (!V.row(v).allFinite()) not_finite.add(static_cast<Index>(v));
   }
   std::vector<std::array<Index, 2>> short_edges;
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
+    detail::check_cancelled_at(t);
     if (!face_in_range(F, t, V.rows()) || repeats_vertex(F, t)) continue;
     bool measurable = true, has_length = true;
-    for (int c = 0; c < 3; ++c) measurable = measurable && finite[static_cast<std::size_t>(F(t, c))] != 0;
+    for (int c = 0; c < 3; ++c) measurable = measurable && finite[F(t, c)] != 0;
     if (!measurable) continue;
     for (int c = 0; c < 3; ++c) {
       const Index a = F(t, c), b = F(t, (c + 1) % 3);
@@ -273,7 +280,7 @@ std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRe
          "vertex has a coordinate that is not finite", "vertices have coordinates that are not finite",
          "correct or delete them");
   report(reports, std::move(zero_length), Defect::zero_length_edge, Element::edge, "edge has length zero",
-         "edges have length zero", "collapse them (--repair weld, then delete the faces that use a vertex twice)");
+         "edges have length zero", "collapse them (repair_weld(), then delete the faces that use a vertex twice)");
   report(reports, std::move(zero_area), Defect::zero_area_face, Element::face,
          "face has area zero (its corners lie on a line)", "faces have area zero (their corners lie on a line)",
          "flip or collapse their longest edges, or move a corner");
@@ -285,7 +292,7 @@ void throw_defect(const DefectReport& report) {
 }
 
 Faces repair_orientation(const FacesRef& F, std::int64_t vertex_count, std::vector<Index>* flipped) {
-  std::vector<char> usable;
+  detail::Array<char> usable;
   std::vector<DefectReport> reports = find_face_defects(F, vertex_count, usable);
   if (!reports.empty()) throw_defect(reports.front());
   const detail::FaceEdges edges(F, usable);
@@ -296,9 +303,9 @@ Faces repair_orientation(const FacesRef& F, std::int64_t vertex_count, std::vect
   if (!reports.empty()) throw_defect(reports.front());
   Faces out = F;
   if (flipped != nullptr) flipped->clear();
-  for (std::size_t t = 0; t < usable.size(); ++t) {
+  for (std::int64_t t = 0; t < usable.size(); ++t) {
     if (orientation.turned[t] == 0) continue;
-    std::swap(out(static_cast<Eigen::Index>(t), 1), out(static_cast<Eigen::Index>(t), 2));
+    std::swap(out(t, 1), out(t, 2));
     if (flipped != nullptr) flipped->push_back(static_cast<Index>(t));
   }
   return out;

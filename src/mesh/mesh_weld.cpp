@@ -4,6 +4,8 @@
 #include <bit>
 
 #include "alcap/mesh_check.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 
 namespace alcap {
 namespace {
@@ -20,23 +22,25 @@ std::uint64_t hash(const double* p) {
 }
 
 /// Per vertex the first vertex at the same position. Positions with NaN equal no other.
-std::vector<Index> first_at_position(const Positions<double>& V) {
-  const auto n = static_cast<std::size_t>(V.rows());
-  std::vector<Index> first(n);
-  std::vector<Index> table(std::bit_ceil(2 * n + 1), none);
-  const std::size_t mask = table.size() - 1;
-  for (std::size_t v = 0; v < n; ++v) {
+detail::Array<Index> first_at_position(const Positions<double>& V) {
+  const Eigen::Index n = V.rows();
+  detail::Array<Index> first(n);
+  detail::Array<Index> table(static_cast<std::int64_t>(std::bit_ceil(2 * detail::at(n) + 1)), none);
+  const auto mask = static_cast<std::uint64_t>(table.size() - 1);
+  for (Eigen::Index v = 0; v < n; ++v) {
+    detail::check_cancelled_at(v);
     const double* const p = V.data() + 3 * v;
     first[v] = static_cast<Index>(v);
     if (p[0] != p[0] || p[1] != p[1] || p[2] != p[2]) continue;
-    for (std::size_t slot = hash(p) & mask;; slot = (slot + 1) & mask) {
-      if (table[slot] == none) {
-        table[slot] = static_cast<Index>(v);
+    for (std::uint64_t slot = hash(p) & mask;; slot = (slot + 1) & mask) {
+      Index& here = table[static_cast<std::int64_t>(slot)];
+      if (here == none) {
+        here = static_cast<Index>(v);
         break;
       }
-      const double* const q = V.data() + 3 * static_cast<std::size_t>(table[slot]);
+      const double* const q = V.data() + 3 * std::int64_t{here};
       if (p[0] == q[0] && p[1] == q[1] && p[2] == q[2]) {
-        first[v] = table[slot];
+        first[v] = here;
         break;
       }
     }
@@ -47,21 +51,21 @@ std::vector<Index> first_at_position(const Positions<double>& V) {
 }  // namespace
 
 Faces repair_weld(const Positions<double>& V, const Eigen::Ref<const Faces>& F) {
-  const std::vector<Index> first = first_at_position(V);
+  const detail::Array<Index> first = first_at_position(V);
   Faces out = F;
   for (Eigen::Index t = 0; t < out.rows(); ++t) {
     for (int c = 0; c < 3; ++c) {
       Index& v = out(t, c);
-      if (v >= 0 && v < V.rows()) v = first[static_cast<std::size_t>(v)];
+      if (v >= 0 && v < V.rows()) v = first[v];
     }
   }
   return out;
 }
 
 std::int64_t duplicate_positions(const Positions<double>& V) {
-  const std::vector<Index> first = first_at_position(V);
+  const detail::Array<Index> first = first_at_position(V);
   std::int64_t count = 0;
-  for (std::size_t v = 0; v < first.size(); ++v) count += first[v] != static_cast<Index>(v);
+  for (std::int64_t v = 0; v < first.size(); ++v) count += first[v] != v;
   return count;
 }
 

@@ -8,6 +8,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "src/base/cancel.h"
+
 namespace alcap {
 namespace {
 
@@ -25,6 +27,7 @@ std::unordered_map<Index, Reached> search(const Mesh& mesh, const Geometry& geom
   reached[a] = {0, none};
   queue.emplace(0.0, a);
   while (!queue.empty()) {
+    detail::check_cancelled();
     const auto [distance, v] = queue.top();
     queue.pop();
     if (v == b) break;

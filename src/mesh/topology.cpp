@@ -8,19 +8,22 @@
 #include <string>
 #include <utility>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
 namespace {
 
-std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+using detail::Array;
+using detail::at;
 
 // Faces joined across edges by a forest in which every face points to a smaller one or to itself: the root of a
 // component is its smallest face, whichever thread joined what.
 class FaceForest {
  public:
-  explicit FaceForest(Index faces) : parent_(at(faces)) {
-    parallel_for(faces, [&](std::int64_t t) { parent_[static_cast<std::size_t>(t)] = static_cast<Index>(t); });
+  explicit FaceForest(Index faces) : parent_(faces) {
+    parallel_for(faces, [&](std::int64_t t) { parent_[t] = static_cast<Index>(t); });
   }
 
   Index root(Index t) {
@@ -45,9 +48,9 @@ class FaceForest {
   }
 
  private:
-  std::atomic_ref<Index> slot(Index t) { return std::atomic_ref<Index>(parent_[at(t)]); }
+  std::atomic_ref<Index> slot(Index t) { return std::atomic_ref<Index>(parent_[t]); }
   Index load(Index t) { return slot(t).load(std::memory_order_relaxed); }
-  std::vector<Index> parent_;
+  Array<Index> parent_;
 };
 
 // Components in the order of their smallest faces.
@@ -57,35 +60,33 @@ void find_components(const Mesh& mesh, Topology& topology) {
     const Index h = mesh.halfedge(static_cast<Index>(e)), g = mesh.twin(h);
     if (g != none) forest.join(Mesh::face(h), Mesh::face(g));
   });
-  std::vector<Index> number(at(mesh.faces()));
-  parallel_for(mesh.faces(), [&](std::int64_t t) {
-    number[static_cast<std::size_t>(t)] = forest.root(static_cast<Index>(t)) == t ? 1 : 0;
-  });
+  Array<Index> number(mesh.faces());
+  parallel_for(mesh.faces(), [&](std::int64_t t) { number[t] = forest.root(static_cast<Index>(t)) == t ? 1 : 0; });
   topology.components.resize(at(parallel_exclusive_scan(number.data(), mesh.faces())));
   topology.face_component.resize(at(mesh.faces()));
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     const Index root = forest.root(static_cast<Index>(t));
-    const Index component = number[at(root)];
-    topology.face_component[static_cast<std::size_t>(t)] = component;
+    const Index component = number[root];
+    topology.face_component[at(t)] = component;
     if (root == t) topology.components[at(component)].first_face = root;
   });
   topology.vertex_component.resize(at(mesh.vertices()));
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     const Index h = mesh.first(static_cast<Index>(v));
-    topology.vertex_component[static_cast<std::size_t>(v)] =
-        h == none ? none : topology.face_component[at(Mesh::face(h))];
+    topology.vertex_component[at(v)] = h == none ? none : topology.face_component[at(Mesh::face(h))];
   });
 }
 
 void trace_loops(const Mesh& mesh, Topology& topology) {
   if (mesh.boundary_edges() == 0) return;
-  std::vector<char> seen(at(mesh.halfedges()), 0);
+  Array<char> seen(mesh.halfedges(), 0);
   for (Index start = 0; start < mesh.halfedges(); ++start) {
-    if (!mesh.boundary_halfedge(start) || seen[at(start)] != 0) continue;
+    detail::check_cancelled_at(start);
+    if (!mesh.boundary_halfedge(start) || seen[start] != 0) continue;
     Loop loop{topology.face_component[at(Mesh::face(start))], {}};
     // The first halfedge of a boundary vertex is its boundary halfedge.
-    for (Index h = start; seen[at(h)] == 0; h = mesh.first(mesh.tip(h))) {
-      seen[at(h)] = 1;
+    for (Index h = start; seen[h] == 0; h = mesh.first(mesh.tip(h))) {
+      seen[h] = 1;
       loop.halfedges.push_back(h);
     }
     topology.loops.push_back(std::move(loop));
@@ -126,22 +127,23 @@ std::vector<Piece> split_components(const Mesh& mesh, const Positions<double>& V
     pieces[c].vertices.reserve(at(topology.components[c].vertices));
     pieces[c].faces.reserve(at(topology.components[c].faces));
   }
-  std::vector<Index> number(at(mesh.vertices()), none);
+  Array<Index> number(mesh.vertices(), none);
   for (Index v = 0; v < mesh.vertices(); ++v) {
     const Index c = topology.vertex_component[at(v)];
     if (c == none) continue;
-    number[at(v)] = static_cast<Index>(pieces[at(c)].vertices.size());
+    number[v] = static_cast<Index>(pieces[at(c)].vertices.size());
     pieces[at(c)].vertices.push_back(v);
   }
   for (Index t = 0; t < mesh.faces(); ++t) pieces[at(topology.face_component[at(t)])].faces.push_back(t);
   for (Piece& piece : pieces) {
+    detail::check_cancelled();
     piece.V.resize(static_cast<Eigen::Index>(piece.vertices.size()), 3);
     piece.F.resize(static_cast<Eigen::Index>(piece.faces.size()), 3);
     Eigen::Index row = 0;
     for (const Index v : piece.vertices) piece.V.row(row++) = V.row(v);
     row = 0;
     for (const Index t : piece.faces) {
-      for (int c = 0; c < 3; ++c) piece.F(row, c) = number[at(mesh.F()(t, c))];
+      for (int c = 0; c < 3; ++c) piece.F(row, c) = number[mesh.F()(t, c)];
       ++row;
     }
   }
@@ -151,24 +153,23 @@ std::vector<Piece> split_components(const Mesh& mesh, const Positions<double>& V
 Piece extract_component(const Mesh& mesh, const Positions<double>& V, const Topology& topology, Index component) {
   const auto count = static_cast<Index>(topology.components.size());
   if (component < 0 || component >= count) {
-    throw OptionError("component", std::to_string(component),
-                      "the mesh has " + std::to_string(count) + " components, numbered from 0");
+    throw OptionError("component", component, "the mesh has " + std::to_string(count) + " components, numbered from 0");
   }
   const ComponentInfo& info = topology.components[at(component)];
   Piece piece{Positions<double>(info.vertices, 3), Faces(info.faces, 3), {}, {}};
   piece.vertices.reserve(at(info.vertices));
   piece.faces.reserve(at(info.faces));
-  std::vector<Index> number(at(mesh.vertices()), none);
+  Array<Index> number(mesh.vertices(), none);
   for (Index v = 0; v < mesh.vertices(); ++v) {
     if (topology.vertex_component[at(v)] != component) continue;
-    number[at(v)] = static_cast<Index>(piece.vertices.size());
-    piece.V.row(number[at(v)]) = V.row(v);
+    number[v] = static_cast<Index>(piece.vertices.size());
+    piece.V.row(number[v]) = V.row(v);
     piece.vertices.push_back(v);
   }
   for (Index t = 0; t < mesh.faces(); ++t) {
     if (topology.face_component[at(t)] != component) continue;
     const auto row = static_cast<Eigen::Index>(piece.faces.size());
-    for (int c = 0; c < 3; ++c) piece.F(row, c) = number[at(mesh.F()(t, c))];
+    for (int c = 0; c < 3; ++c) piece.F(row, c) = number[mesh.F()(t, c)];
     piece.faces.push_back(t);
   }
   return piece;

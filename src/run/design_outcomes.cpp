@@ -145,7 +145,8 @@ void certify_design(DesignRun& run, bool eigen_converged, double largest_residua
   };
   warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
   warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
-  warn(c.residual_small, "residual_large", "the linear solve did not reach its tolerance; try another --solver");
+  warn(c.residual_small, "residual_large",
+       "the linear solve did not reach its tolerance; try another DesignRunOptions::solver");
   warn(c.index_sums_match, "index_sum_mismatch",
        "the indices do not sum to what topology demands; please report this mesh");
   warn(c.finite, "not_finite", "the field has values that are not finite numbers");

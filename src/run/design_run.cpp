@@ -87,8 +87,7 @@ void at_path(const std::string& path, Call&& call) {
   try {
     call();
   } catch (const OptionError& e) {
-    const std::string head = OptionError(e.field(), e.value(), "").what();
-    throw OptionError(path, e.field() + " " + e.value(), std::string(e.what()).substr(head.size()));
+    throw OptionError(path, e.field() + " " + e.value(), e.rule());
   }
 }
 
@@ -96,9 +95,9 @@ void at_path(const std::string& path, Call&& call) {
 
 DesignStages::DesignStages(Surface surface, DesignRunOptions options, bool once)
     : surface_(std::move(surface)), options_(std::move(options)), once_(once) {
-  if (options_.threads < 0 || options_.threads > 4096)
-    throw OptionError("threads", std::to_string(options_.threads), "must be 0 (all of the machine) or 1 to 4096");
-  if (!(options_.residual > 0)) throw OptionError("residual", std::to_string(options_.residual), "must be positive");
+  if (options_.threads < 0 || options_.threads > most_threads)
+    throw OptionError("threads", options_.threads, "must be 0 (all of the machine) or 1 to 4096");
+  if (!(options_.residual > 0)) throw OptionError("residual", options_.residual, "must be positive");
 }
 
 void DesignStages::forget() {
@@ -263,30 +262,36 @@ DesignRun DesignStages::solve(const DesignFile& design) {
 
 }  // namespace detail
 
+namespace {
+
+RunControl control_of(const DesignRunOptions& options) {
+  RunControl control = options.control;
+  if (options.threads > 0) control.threads = options.threads;
+  return control;
+}
+
+}  // namespace
+
 struct DesignSession::State {
   detail::DesignStages stages;
-  int threads;
+  RunControl control;
 };
 
 DesignSession::DesignSession(const Surface& surface, DesignRunOptions options) {
-  const int threads = options.threads;
-  state_ = std::make_unique<State>(State{detail::DesignStages(surface, std::move(options), false), threads});
+  RunControl control = control_of(options);
+  state_ = std::make_unique<State>(State{detail::DesignStages(surface, std::move(options), false), std::move(control)});
 }
 DesignSession::~DesignSession() = default;
 DesignSession::DesignSession(DesignSession&&) noexcept = default;
 DesignSession& DesignSession::operator=(DesignSession&&) noexcept = default;
 
 DesignRun DesignSession::solve(const DesignFile& design) {
-  DesignRun run;
-  run_with_threads(state_->threads, [&] { run = state_->stages.solve(design); });
-  return run;
+  return controlled(state_->control, [&] { return state_->stages.solve(design); });
 }
 
 DesignRun run_design(const Surface& surface, const DesignFile& design, const DesignRunOptions& options) {
   detail::DesignStages stages(surface, options, true);
-  DesignRun run;
-  run_with_threads(options.threads, [&] { run = stages.solve(design); });
-  return run;
+  return controlled(control_of(options), [&] { return stages.solve(design); });
 }
 
 DesignFile plan_design(const DesignFile& design, const Surface& surface) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "alcap/design_run.h"
+#include "src/base/cancel.h"
 
 namespace alcap::detail {
 
@@ -39,6 +40,7 @@ class DesignStages {
   };
   void say(const char* phase) const {
     if (options_.progress) options_.progress(phase);
+    detail::report_phase(phase);
   }
   void connect(const DesignFile& placed);
   void guide(const DesignFile& placed, DesignGuidance::Source source);

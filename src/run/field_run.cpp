@@ -4,15 +4,19 @@
 #include "alcap/field_run.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "alcap/mesh_check.h"
+#include "src/base/cancel.h"
+#include "src/base/clock.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
 namespace {
+
+using detail::counted;
 
 constexpr std::size_t most_named = 8;
 
@@ -23,22 +27,6 @@ constexpr double sliver_angle = 0.002;
 // Two smallest eigenvalues this close together (relative) leave the choice within their span to chance.
 constexpr double degenerate_gap = 1e-6;
 
-class Stopwatch {
- public:
-  /// Seconds since construction or the last lap.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    return std::chrono::duration<double>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-std::string plural(std::int64_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
   const std::int64_t count = mesh.vertices() - mesh.referenced_vertices();
   if (count == 0) return;
@@ -46,7 +34,7 @@ void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
   for (Index v = 0; v < mesh.vertices() && remark.first.size() < most_named; ++v) {
     if (!mesh.referenced(v)) remark.first.push_back(v);
   }
-  remark.message = plural(count, "vertex is", "vertices are") + " used by no face; the field is zero there";
+  remark.message = counted(count, "vertex is", "vertices are") + " used by no face; the field is zero there";
   remarks.push_back(std::move(remark));
 }
 
@@ -65,9 +53,9 @@ void remark_separate_pieces(const Surface& surface, std::vector<Remark>& remarks
   const auto pieces = static_cast<std::int64_t>(surface.topology().components.size());
   remarks.push_back(
       {.code = "separate_pieces",
-       .message = plural(count, "boundary vertex lies", "boundary vertices lie") +
+       .message = counted(count, "boundary vertex lies", "boundary vertices lie") +
                   " exactly where another one does, but the faces do not share them; the mesh was taken as " +
-                  plural(pieces, "piece", "separate pieces") + "; join them with --repair weld",
+                  counted(pieces, "piece", "separate pieces") + "; join them with Repair::weld",
        .count = count});
 }
 
@@ -85,7 +73,7 @@ void remark_slivers(const Surface& surface, std::vector<Remark>& remarks) {
     if (smallest >= sliver_angle) continue;
     if (static_cast<std::size_t>(remark.count++) < most_named) remark.first.push_back(t);
   }
-  remark.message = plural(remark.count, "face has", "faces have") +
+  remark.message = counted(remark.count, "face has", "faces have") +
                    " a corner below 0.1 degrees; the result holds, solving takes longer";
   remarks.push_back(std::move(remark));
 }
@@ -105,8 +93,8 @@ void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vect
   }
   if (failed.count > 0) {
     failed.message = "the eigensolver did not reach the tolerance on " +
-                     plural(failed.count, "component", "components") + (said.empty() ? "" : " (" + said + ")") +
-                     "; try another --solver, or a larger --tolerance";
+                     counted(failed.count, "component", "components") + (said.empty() ? "" : " (" + said + ")") +
+                     "; try another EigenOptions::solver, or a larger EigenOptions::tolerance";
     remarks.push_back(std::move(failed));
   }
   if (degenerate.count > 0) {
@@ -122,7 +110,7 @@ void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::ve
     remarks.push_back({.code = "connection_not_converged",
                        .message = "the connection did not reach its tolerance" +
                                   (connection.message.empty() ? "" : " (" + connection.message + ")") +
-                                  "; small --detail and slivers make it hard"});
+                                  "; small GlobalOptions::detail and slivers make it hard"});
   }
   remark_eigen(run, options, remarks);
   Remark sums{.code = "index_sum_mismatch"};
@@ -132,7 +120,7 @@ void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::ve
   }
   if (sums.count > 0) {
     sums.message = "the indices do not sum to what topology demands on " +
-                   plural(sums.count, "component", "components") + "; please report this mesh";
+                   counted(sums.count, "component", "components") + "; please report this mesh";
     remarks.push_back(std::move(sums));
   }
   if (!run.certificate.finite) {
@@ -157,21 +145,23 @@ Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   return certificate;
 }
 
+void say(const FieldRunOptions& options, const char* phase) {
+  if (options.progress) options.progress(phase);
+  detail::report_phase(phase);
+}
+
 /// Everything after the mesh.
-void compute(const FieldRunOptions& options, FieldRun& run, Stopwatch& watch, const Surface& surface) {
-  const auto say = [&](const char* phase) {
-    if (options.progress) options.progress(phase);
-  };
+void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& watch, const Surface& surface) {
   for (Remark& remark : mesh_remarks(surface)) run.remarks.push_back(std::move(remark));
   run.times.mesh = watch.lap();
 
-  say("connection");
+  say(options, "connection");
   ConnectionOptions connection = options.connection;
   connection.n = options.n;
   run.surface = connect(surface, connection);
   run.times.connection = watch.lap();
 
-  say("solve");
+  say(options, "solve");
   SmoothestResult result = smoothest_field(run.surface, {.n = options.n, .s = options.s, .eigen = options.eigen});
   run.field = std::move(result.field);
   run.eigen = std::move(result.components);
@@ -179,7 +169,7 @@ void compute(const FieldRunOptions& options, FieldRun& run, Stopwatch& watch, co
   run.times.eigen = result.eigen_seconds;
   const double frames = std::max(0.0, watch.lap() - result.assembly_seconds - result.eigen_seconds);
 
-  say("analysis");
+  say(options, "analysis");
   run.indices = face_indices(run.surface, run.field);
   run.index_sums = index_sums(run.surface, run.field, run.indices);
   run.singularities = find_singularities(run.surface, run.field, run.indices);
@@ -189,15 +179,18 @@ void compute(const FieldRunOptions& options, FieldRun& run, Stopwatch& watch, co
   run.times.analysis = frames + watch.lap();
 }
 
-/// A run with the threads asked for, of the surface that `make` returns.
+/// A run under the control asked for, of the surface that `make` returns.
 template <class Make>
 FieldRun run_on(const FieldRunOptions& options, Make&& make) {
-  if (options.threads < 0 || options.threads > 4096)
-    throw OptionError("threads", std::to_string(options.threads), "must be 0 (all of the machine) or 1 to 4096");
+  if (options.threads < 0 || options.threads > most_threads)
+    throw OptionError("threads", options.threads, "must be 0 (all of the machine) or 1 to 4096");
+  RunControl control = options.control;
+  if (options.threads > 0) control.threads = options.threads;
   FieldRun run;
-  run_with_threads(options.threads, [&] {
-    Stopwatch watch;
-    if (options.progress) options.progress("mesh");
+  controlled(control, [&] {
+    const detail::ControlScope eigen(options.eigen.cancel);
+    detail::Stopwatch watch;
+    say(options, "mesh");
     compute(options, run, watch, make(run.remarks));
   });
   return run;
@@ -217,13 +210,13 @@ Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vecto
     repaired = repair_weld(V, F);
     const std::int64_t corners = (repaired.array() != F.array()).count();
     report("welded", corners, {},
-           plural(corners, "corner", "corners") + " moved to the first vertex at the same position");
+           counted(corners, "corner", "corners") + " moved to the first vertex at the same position");
   }
   if (asked(Repair::orient)) {
     std::vector<Index> flipped;
     repaired = repair_orientation(repaired, V.rows(), &flipped);
     const auto count = static_cast<std::int64_t>(flipped.size());
-    report("reoriented", count, std::move(flipped), plural(count, "face", "faces") + " turned");
+    report("reoriented", count, std::move(flipped), counted(count, "face", "faces") + " turned");
   }
   return repaired;
 }
@@ -239,7 +232,7 @@ std::vector<Remark> mesh_remarks(const Surface& surface) {
         {.code = "boundary",
          .warning = false,
          .message = "the surface has " +
-                    plural(static_cast<std::int64_t>(topology.loops.size()), "boundary loop", "boundary loops") +
+                    counted(static_cast<std::int64_t>(topology.loops.size()), "boundary loop", "boundary loops") +
                     "; the field is free there (natural boundary condition)",
          .count = static_cast<std::int64_t>(topology.loops.size())});
   }

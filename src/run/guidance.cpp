@@ -64,7 +64,7 @@ ScaledGuidance find_guidance(const ConnectedSurface& surface, const DesignFile& 
     if (source == Source::file)
       throw FileError("guidance " + placed.guidance.file.string() + ": the field is zero or not finite everywhere",
                       placed.guidance.file.string());
-    throw OptionError("/guidance/field", name(source), "this surface has no such directions");
+    throw OptionError("/guidance/field", std::string(name(source)), "this surface has no such directions");
   }
   u /= size;
   out.scale = 1 / size;

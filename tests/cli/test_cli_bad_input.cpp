@@ -63,7 +63,13 @@ std::vector<BadInput> bad_inputs() {
        "mesh",
        "not_orientable",
        {"one-sided"}},
-      {"zero-length edge", "a.obj", "v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n", 4, "mesh", "zero_length_edge", {"(1, 2)"}},
+      {"zero-length edge",
+       "a.obj",
+       "v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n",
+       4,
+       "mesh",
+       "zero_length_edge",
+       {"(1, 2)", "--repair weld"}},
       {"zero area", "a.obj", "v 0 0 0\nv 1 0 0\nv 3 0 0\nf 1 2 3\n", 4, "mesh", "zero_area_face", {"line"}},
   };
 }
@@ -99,6 +105,19 @@ TEST_CASE("each kind of bad input is refused by name, with its exit code, and le
       CHECK(!report["error"]["first"].empty());
     }
   }
+}
+
+TEST_CASE("a value that the library refuses comes with its field, value, rule and flag") {
+  const CliFolder folder;
+  folder.write("a.obj", tetrahedron_vertices + tetrahedron_faces);
+  const CliResult result = folder.run("field a.obj --cone 0:1 --json");
+  CHECK(result.exit == 2);
+  CHECK(result.error_says("--cone"));
+  const Json error = result.json()["error"];
+  CHECK(error["option"] == "cones");
+  CHECK(error["value"] == "1");
+  CHECK(error["rule"].get<std::string>().find("Euler characteristic 2; 1 is missing") != std::string::npos);
+  CHECK(error["flag"] == "--cone");
 }
 
 TEST_CASE("info works on every mesh that can be read, lists the defects, and exits with 4") {

@@ -168,7 +168,7 @@ TEST_CASE("cones that cannot be are refused with the reason") {
     }
     return "";
   };
-  CHECK(reason({{0, 1}}, {.n = 1}).find("1.000000 is missing") != std::string::npos);
+  CHECK(reason({{0, 1}}, {.n = 1}).find("; 1 is missing") != std::string::npos);
   CHECK(reason({{0, 1}, {5, 0.9}}, {.n = 4}).find("multiple of 1/4") != std::string::npos);
   CHECK(reason({{0, 1}, {9999, 1}}, {.n = 1}).find("no such vertex") != std::string::npos);
   CHECK(reason({{0, 2}}, {.n = 1, .generator_holonomy = {0.5}}).find("one per generator") != std::string::npos);

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <doctest/doctest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <fstream>
@@ -16,29 +15,11 @@
 #include "alcap/generators.h"
 #include "alcap/output.h"
 #include "src/base/random.h"
+#include "tests/support/folder.h"
 
 namespace alcap::test {
 
 namespace fs = std::filesystem;
-
-// A new folder that goes away with the object.
-struct Folder {
-  fs::path path;
-  Folder() {
-    std::string name = (fs::temp_directory_path() / "alcap-output-XXXXXX").string();
-    REQUIRE(::mkdtemp(name.data()) != nullptr);
-    path = name;
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  ~Folder() { fs::remove_all(path); }
-
-  [[nodiscard]] std::set<std::string> names() const {
-    std::set<std::string> out;
-    for (const auto& entry : fs::directory_iterator(path)) out.insert(entry.path().filename().string());
-    return out;
-  }
-};
 
 inline std::string contents(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);

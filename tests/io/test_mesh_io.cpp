@@ -13,6 +13,7 @@
 #include <limits>
 #include <set>
 
+#include "tests/support/folder.h"
 #include "tests/support/mesh_files.h"
 
 using namespace alcap;
@@ -51,17 +52,6 @@ void check_square(const std::string& bytes, const char* format) {
   CHECK(m.F == square_faces());
   CHECK(m.bytes == static_cast<std::int64_t>(bytes.size()));
 }
-
-struct TemporaryFolder {
-  fs::path path;
-  TemporaryFolder() {
-    static int number = 0;
-    path = fs::temp_directory_path() /
-           ("alcap-mesh-io-" + std::to_string(std::random_device{}()) + "-" + std::to_string(number++));
-    fs::create_directories(path);
-  }
-  ~TemporaryFolder() { fs::remove_all(path); }
-};
 
 void put(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
@@ -126,7 +116,7 @@ TEST_CASE("every encoding is read back bit for bit, numbering included") {
 }
 
 TEST_CASE("written files come back bit for bit") {
-  TemporaryFolder folder;
+  test::Folder folder;
   std::mt19937_64 random(2);
   Positions<double> V;
   Faces F;
@@ -274,7 +264,7 @@ TEST_CASE("STL: welded by exact position, numbered by first appearance") {
 }
 
 TEST_CASE("the content decides about the format, then the extension") {
-  TemporaryFolder folder;
+  test::Folder folder;
   for (const auto& encoding : mesh_files::encodings) {
     for (const char* name : {"a.obj", "a.stl", "a.txt", "a"}) {
       put(folder.path / name, encode(encoding.name, square_points(), square_faces()));

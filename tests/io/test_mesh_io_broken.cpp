@@ -2,7 +2,6 @@
 //
 // Broken mesh files: each is a FileError that says where and what, and nothing crashes, hangs or asks for memory that
 // the file cannot need. Also the writers' refusals and AtomicFile.
-#include <alcap/detail/atomic_file.h>
 #include <alcap/mesh_io.h>
 #include <doctest/doctest.h>
 #include <sys/stat.h>
@@ -13,6 +12,8 @@
 #include <limits>
 #include <thread>
 
+#include "src/base/atomic_file.h"
+#include "tests/support/folder.h"
 #include "tests/support/mesh_files.h"
 
 using namespace alcap;
@@ -51,13 +52,6 @@ bool acceptable(const MeshFile& m, std::size_t bytes) {
          m.F.minCoeff() >= 0 && m.F.maxCoeff() < m.V.rows() &&
          (m.polygon_of.empty() || m.polygon_of.size() == static_cast<std::size_t>(m.F.rows()));
 }
-
-struct TemporaryFolder {
-  fs::path path = fs::temp_directory_path() / ("alcap-broken-" + std::to_string(std::random_device{}()));
-  TemporaryFolder() { fs::create_directories(path); }
-  ~TemporaryFolder() { fs::remove_all(path); }
-  [[nodiscard]] auto files() const { return std::distance(fs::directory_iterator(path), fs::directory_iterator()); }
-};
 
 std::string slurp(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -265,7 +259,7 @@ TEST_CASE("polygons that no algorithm likes end in time") {
 }
 
 TEST_CASE("paths that are no mesh files") {
-  TemporaryFolder folder;
+  test::Folder folder;
   const auto refused_path = [](const fs::path& path, const std::string& part) {
     try {
       std::ignore = read_mesh(path);
@@ -291,7 +285,7 @@ TEST_CASE("paths that are no mesh files") {
 }
 
 TEST_CASE("a pipe is read like a file") {
-  TemporaryFolder folder;
+  test::Folder folder;
   const fs::path pipe = folder.path / "pipe";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);
   std::thread writer([&] { std::ofstream(pipe) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"; });
@@ -302,7 +296,7 @@ TEST_CASE("a pipe is read like a file") {
 }
 
 TEST_CASE("writers refuse what readers would refuse, and leave nothing behind") {
-  TemporaryFolder folder;
+  test::Folder folder;
   Positions<double> V;
   Faces F;
   tetrahedron(V, F);
@@ -315,19 +309,19 @@ TEST_CASE("writers refuse what readers would refuse, and leave nothing behind") 
   CHECK_THROWS_AS(write_mesh(folder.path / "a.obj", V, wrong), MeshError);
   V(1, 1) = std::numeric_limits<double>::infinity();
   CHECK_THROWS_AS(write_mesh(folder.path / "a.obj", V, F), MeshError);
-  CHECK(folder.files() == 0);
+  CHECK(folder.names().size() == 0);
 }
 
 TEST_CASE("an atomic file appears at commit, complete, or not at all") {
-  TemporaryFolder folder;
+  test::Folder folder;
   const fs::path target = folder.path / "out.txt";
   {
     detail::AtomicFile file(target);
     file.write("lost");
     CHECK_FALSE(fs::exists(target));
-    CHECK(folder.files() == 1);
+    CHECK(folder.names().size() == 1);
   }
-  CHECK(folder.files() == 0);
+  CHECK(folder.names().size() == 0);
   std::string large(3 << 20, 'x');
   for (const std::string& text : {std::string("first"), large}) {
     detail::AtomicFile file(target);
@@ -336,7 +330,7 @@ TEST_CASE("an atomic file appears at commit, complete, or not at all") {
     CHECK(file.size() == static_cast<std::int64_t>(text.size()) + 1);
     file.commit();
     CHECK(slurp(target) == text + "!");
-    CHECK(folder.files() == 1);
+    CHECK(folder.names().size() == 1);
     CHECK_THROWS_AS(file.commit(), FileError);
   }
   fs::permissions(target, fs::perms::owner_read | fs::perms::owner_write);
@@ -351,5 +345,5 @@ TEST_CASE("an atomic file appears at commit, complete, or not at all") {
   detail::AtomicFile nowhere("/dev/null");  // no regular file: written directly
   nowhere.write("x");
   nowhere.commit();
-  CHECK(folder.files() == 2);
+  CHECK(folder.names().size() == 2);
 }

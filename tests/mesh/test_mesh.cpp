@@ -272,7 +272,7 @@ TEST_CASE("defect: inconsistent orientation names the edges and the repair") {
   CHECK(r.first == List{0, 2, 0, 3, 2, 3});
   CHECK(contains(r.message, "3 edges"));
   CHECK(contains(r.message, "(0, 2), (0, 3), (2, 3)"));
-  CHECK(contains(r.message, "--repair orient"));
+  CHECK(contains(r.message, "turn the faces with repair_orientation()"));
   MeshData many = icosphere(2);
   for (Eigen::Index t = 0; t < 320; t += 8) std::swap(many.F(t, 1), many.F(t, 2));
   const DefectReport long_list = only_defect(many.F, many.V.rows());

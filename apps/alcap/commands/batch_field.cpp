@@ -19,6 +19,7 @@
 #include "alcap/memory.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/field_files.h"
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
 
 namespace alcap::app {
@@ -193,7 +194,7 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
       [&](std::int64_t i, const std::exception& error) {
         Json line = head(i);
         line["ok"] = false;
-        line["error"] = {{"kind", name(exit_of(error))}, {"message", error.what()}};
+        line["error"] = {{"kind", name(exit_of(error))}, {"message", in_flags(error.what())}};
         lines.add(i, std::move(line));
       });
 

@@ -13,6 +13,7 @@
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/design_report.h"
 #include "apps/alcap/report/field_files.h"
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/clock.h"
 

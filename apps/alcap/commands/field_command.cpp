@@ -17,6 +17,7 @@
 #include "apps/alcap/page/view_scene.h"
 #include "apps/alcap/picture/png_picture.h"
 #include "apps/alcap/report/field_files.h"
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
 
 namespace alcap::app {

@@ -11,6 +11,7 @@
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
 #include "apps/alcap/report/statistics.h"
 
@@ -166,7 +167,7 @@ Outcome run(const MeshChoice& choice, Progress& progress) {
 
   Outcome outcome{.exit = fit ? Exit::ok : Exit::mesh, .report = std::move(report)};
   outcome.text = summary(outcome.report);
-  if (!fit) outcome.complaint = (topological.empty() ? geometric : topological).front().message;
+  if (!fit) outcome.complaint = in_flags((topological.empty() ? geometric : topological).front().message);
   return outcome;
 }
 

@@ -20,6 +20,7 @@
 #include "alcap/version.h"
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/options/cli.h"
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/parallel.h"
@@ -71,7 +72,7 @@ template <class Body>
 int guarded(const std::string& command, bool json, Progress& progress, Body&& body) {
   const auto fail = [&](Exit exit, const std::exception& e, const Json& details = Json::object()) {
     progress.clear();
-    return complain(command, json, exit, e.what(), details);
+    return complain(command, json, exit, in_flags(e.what()), details);
   };
   try {
     return body();
@@ -81,10 +82,15 @@ int guarded(const std::string& command, bool json, Progress& progress, Body&& bo
     return fail(Exit::input, e, file_details(e));
   } catch (const MeshError& e) {
     progress.clear();
-    return complain(command, json, Exit::mesh, fmt::format("{} (alcap info lists all defects)", e.what()),
+    return complain(command, json, Exit::mesh, fmt::format("{} (alcap info lists all defects)", in_flags(e.what())),
                     mesh_details(e));
   } catch (const OptionError& e) {
-    return fail(Exit::usage, e, {{"option", e.field()}, {"value", e.value()}});
+    progress.clear();
+    const std::string_view flag = flag_of(e.field());
+    Json details{{"option", e.field()}, {"value", e.value()}, {"rule", e.rule()}};
+    if (!flag.empty()) details["flag"] = flag;
+    return complain(command, json, Exit::usage,
+                    flag.empty() ? std::string(e.what()) : fmt::format("{} (see {})", e.what(), flag), details);
   } catch (const SolveError& e) {
     return fail(Exit::solver, e);
   } catch (const std::bad_alloc&) {

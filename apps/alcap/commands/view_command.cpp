@@ -16,6 +16,7 @@
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/page/view_scene.h"
 #include "apps/alcap/picture/png_picture.h"
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 

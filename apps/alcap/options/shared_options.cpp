@@ -72,12 +72,10 @@ MeshFile read_choice(const MeshChoice& choice) {
 void add_connection_options(cli::App& app, ConnectionOptions& options) {
   app.add_option_function<std::string>(
          "--connection",
-         [&options](const std::string& name) {
-           options.kind = name == "global"    ? ConnectionKind::global
-                          : name == "local"   ? ConnectionKind::local
-                          : name == "trivial" ? ConnectionKind::trivial
-                                              : ConnectionKind::polar;
-           options.polar.center = name == "polar-barycenter" ? PolarCenter::barycenter : PolarCenter::incenter;
+         [&options](const std::string& text) {
+           const ConnectionChoice choice = connection_choice(text).value();  // among those checked below
+           options.kind = choice.kind;
+           options.polar.center = choice.center;
          },
          "How directions are compared from place to place. global: as Levi-Civita as possible, the most accurate; "
          "local: its cheap approximation; polar: the classical geodesic polar map; polar-barycenter: to reproduce "

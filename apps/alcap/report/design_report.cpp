@@ -10,6 +10,7 @@
 #include <complex>
 
 #include "apps/alcap/report/report.h"
+#include "src/base/numbers.h"
 
 namespace alcap::app {
 namespace {
@@ -85,10 +86,6 @@ void cone(const DesignRun& run, const DesignOutcome& outcome, Json& json) {
   json["achieved"] = {{"index", number(outcome.cone_index)}};
 }
 
-std::string plural(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
 std::string control_text(const Json& c) {
   const Json& asked = c["asked"];
   const std::string type = c["type"];
@@ -152,7 +149,7 @@ Json guidance_json(const DesignRun& run) {
   const DesignGuidance& g = run.design.guidance;
   if (run.design.method == DesignMethod::eigen)
     return {{"field", "none"}, {"weight", 0}, {"t", nullptr}, {"scale", nullptr}};
-  return {{"field", g.source == Source::file ? g.file.string() : name(g.source)},
+  return {{"field", g.source == Source::file ? g.file.string() : std::string(name(g.source))},
           {"weight", g.source == Source::none || g.t ? Json(0) : number(g.weight)},
           {"t", g.t ? number(*g.t) : Json(nullptr)},
           {"scale", run.guidance ? number(run.guidance_scale) : Json(nullptr)}};
@@ -212,7 +209,7 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
   return {{"n", placed.n},
           {"faces", mesh.faces()},
           {"unknowns", mesh.referenced_vertices()},
-          {"connection", name(placed.connection.kind, placed.connection.center)},
+          {"connection", name(ConnectionChoice{placed.connection.kind, placed.connection.center})},
           {"method", placed.method == DesignMethod::eigen ? "eigen" : "variational"},
           {"energy", number(placed.s)},
           {"guidance", placed.guidance.source == DesignGuidance::Source::file ? placed.guidance.file.string()
@@ -243,7 +240,7 @@ std::string plan_text(const Json& plan) {
   if (!eigen)
     line("rows", fmt::format("{} exact (pins, fixed vertices), softly one for each face that a stroke crosses",
                              plan["exact_rows"].get<std::size_t>()));
-  line("controls", plural(plan["controls"].size(), "control", "controls"));
+  line("controls", detail::counted(plan["controls"].size(), "control", "controls"));
   for (const Json& c : plan["controls"]) {
     const std::string given = c["name"];
     line("", fmt::format("{}: {}{}", c["path"].get<std::string>(), control_text(c),

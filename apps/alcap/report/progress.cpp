@@ -59,7 +59,7 @@ void Progress::tick() {
 
 void Progress::draw() {
   if (what_.empty()) return;
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  const double seconds = watch_.seconds();
   fmt::print(stderr, "\r\033[K{:6.1f} s  {} ...", seconds, what_);
   std::fflush(stderr);
   drawn_ = true;

@@ -10,6 +10,8 @@
 #include <string>
 #include <thread>
 
+#include "src/base/clock.h"
+
 namespace alcap::app {
 
 class Progress {
@@ -32,7 +34,7 @@ class Progress {
   bool stop_ = false;
   bool drawn_ = false;
   std::string what_;
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  detail::Stopwatch watch_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::thread ticker_;

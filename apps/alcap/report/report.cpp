@@ -11,6 +11,7 @@
 
 #include "alcap/memory.h"
 #include "alcap/version.h"
+#include "apps/alcap/report/flags.h"
 #include "src/base/parallel.h"
 
 namespace alcap::app {
@@ -118,12 +119,12 @@ Json components_json(const FieldRun& run) {
 
 Json options_json(const FieldRunOptions& options) {
   Json repairs = Json::array();
-  for (const Repair r : options.repairs) repairs.push_back(r == Repair::weld ? "weld" : "orient");
+  for (const Repair r : options.repairs) repairs.push_back(name(r));
   Json cones = Json::array();
   for (const Cone& c : options.connection.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
   return {{"n", options.n},
           {"energy", number(options.s)},
-          {"connection", name(options.connection.kind, options.connection.polar.center)},
+          {"connection", name(ConnectionChoice{options.connection.kind, options.connection.polar.center})},
           {"detail", number(options.connection.global.detail)},
           {"cones", std::move(cones)},
           {"balance_cones", options.connection.balance_cones},
@@ -192,60 +193,6 @@ const char* name(Exit exit) {
   return "internal";
 }
 
-const char* name(Defect defect) {
-  switch (defect) {
-    case Defect::empty:
-      return "empty";
-    case Defect::index_out_of_range:
-      return "index_out_of_range";
-    case Defect::not_finite:
-      return "not_finite";
-    case Defect::repeated_vertex_in_face:
-      return "repeated_vertex_in_face";
-    case Defect::non_manifold_edge:
-      return "non_manifold_edge";
-    case Defect::inconsistent_orientation:
-      return "inconsistent_orientation";
-    case Defect::duplicate_face:
-      return "duplicate_face";
-    case Defect::non_manifold_vertex:
-      return "non_manifold_vertex";
-    case Defect::zero_length_edge:
-      return "zero_length_edge";
-    case Defect::zero_area_face:
-      return "zero_area_face";
-    case Defect::not_orientable:
-      return "not_orientable";
-  }
-  return "unknown";
-}
-
-const char* name(Element element) {
-  switch (element) {
-    case Element::vertex:
-      return "vertex";
-    case Element::edge:
-      return "edge";
-    case Element::face:
-      return "face";
-  }
-  return "unknown";
-}
-
-std::string name(ConnectionKind kind, PolarCenter center) {
-  switch (kind) {
-    case ConnectionKind::polar:
-      return center == PolarCenter::incenter ? "polar" : "polar-barycenter";
-    case ConnectionKind::local:
-      return "local";
-    case ConnectionKind::global:
-      return "global";
-    case ConnectionKind::trivial:
-      return "trivial";
-  }
-  return "unknown";
-}
-
 Json input_json(const std::filesystem::path& path, const MeshFile& file) {
   Json ignored = Json::object();
   for (const auto& [kind, count] : file.ignored) ignored[kind] = count;
@@ -309,7 +256,7 @@ Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& o
   const Spread density = spread(faces, [&](std::int64_t t) { return connection.K[t] / surface.geometry().areas()[t]; });
   const Spread curvature = spread(faces, [&](std::int64_t t) { return connection.K[t]; });
   const ConnectionReport& report = connection.report;
-  return {{"kind", name(options.kind, options.polar.center)},
+  return {{"kind", name(ConnectionChoice{options.kind, options.polar.center})},
           {"detail", number(options.global.detail)},
           {"D_T", number(report.D_T)},
           {"D_E", number(report.D_E)},
@@ -326,7 +273,7 @@ Json remarks_json(const std::vector<Remark>& remarks, bool warnings) {
   Json list = Json::array();
   for (const Remark& r : remarks) {
     if (r.warning != warnings) continue;
-    list.push_back({{"code", r.code}, {"message", r.message}, {"count", r.count}, {"first", r.first}});
+    list.push_back({{"code", r.code}, {"message", in_flags(r.message)}, {"count", r.count}, {"first", r.first}});
   }
   return list;
 }
@@ -338,7 +285,7 @@ Json defects_json(const std::vector<DefectReport>& defects) {
                     {"element", name(d.element)},
                     {"count", d.count},
                     {"first", d.first},
-                    {"message", d.message}});
+                    {"message", in_flags(d.message)}});
   }
   return list;
 }
@@ -392,7 +339,7 @@ std::string summary_end(const Json& report) {
 std::string complaint(const std::string& head, const std::vector<Remark>& remarks) {
   std::string text = head;
   for (const Remark& r : remarks)
-    if (r.warning) text += " " + r.message + ".";
+    if (r.warning) text += " " + in_flags(r.message) + ".";
   return text;
 }
 

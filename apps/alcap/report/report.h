@@ -31,9 +31,6 @@ inline constexpr int report_version = 1;
 
 /// Stable names.
 [[nodiscard]] const char* name(Exit exit);
-[[nodiscard]] const char* name(Defect defect);
-[[nodiscard]] const char* name(Element element);
-[[nodiscard]] std::string name(ConnectionKind kind, PolarCenter center);
 
 [[nodiscard]] Json input_json(const std::filesystem::path& path, const MeshFile& file);
 [[nodiscard]] Json mesh_json(const Surface& surface);

@@ -17,6 +17,7 @@
 #include "alcap/operators.h"
 #include "apps/alcap/tables/tables_harmonics.h"
 #include "apps/alcap/tables/tables_published.h"
+#include "src/base/clock.h"
 #include "src/base/parallel.h"
 
 namespace alcap::app {
@@ -29,21 +30,19 @@ constexpr std::array connection_names = {"polar", "polar-barycenter", "local", "
 constexpr std::array kind_names = {"edge", "triangle"};
 
 void validate(const TablesOptions& o) {
-  const auto require = [](bool good, const char* field, const std::string& value, const char* rule) {
+  const auto require = [](bool good, const char* field, auto value, const char* rule) {
     if (!good) throw OptionError(field, value, rule);
   };
   require(!o.levels.empty(), "levels", "{}", "needs at least one level");
   for (std::size_t i = 0; i < o.levels.size(); ++i) {
-    require(o.levels[i] >= 1 && o.levels[i] <= 8, "levels", std::to_string(o.levels[i]), "must lie in [1, 8]");
-    require(i == 0 || o.levels[i] > o.levels[i - 1], "levels", std::to_string(o.levels[i]), "must increase");
+    require(o.levels[i] >= 1 && o.levels[i] <= 8, "levels", o.levels[i], "must lie in [1, 8]");
+    require(i == 0 || o.levels[i] > o.levels[i - 1], "levels", o.levels[i], "must increase");
   }
-  require(o.fields >= 2 && o.fields <= 10000, "fields", std::to_string(o.fields), "must lie in [2, 10000]");
-  require(o.harmonics >= 1 && o.harmonics <= max_harmonics, "harmonics", std::to_string(o.harmonics),
+  require(o.fields >= 2 && o.fields <= 10000, "fields", o.fields, "must lie in [2, 10000]");
+  require(o.harmonics >= 1 && o.harmonics <= max_harmonics, "harmonics", o.harmonics, "must lie in [1, 48]");
+  require(o.unit_harmonics >= 1 && o.unit_harmonics <= max_harmonics, "unit_harmonics", o.unit_harmonics,
           "must lie in [1, 48]");
-  require(o.unit_harmonics >= 1 && o.unit_harmonics <= max_harmonics, "unit_harmonics",
-          std::to_string(o.unit_harmonics), "must lie in [1, 48]");
-  require(o.jitter >= 0 && o.jitter <= 0.25, "jitter", std::to_string(o.jitter),
-          "must lie in [0, 0.25], beyond that faces fold");
+  require(o.jitter >= 0 && o.jitter <= 0.25, "jitter", o.jitter, "must lie in [0, 0.25], beyond that faces fold");
 }
 
 Connection make_connection(const Mesh& mesh, const Geometry& geometry, std::size_t which) {
@@ -371,7 +370,7 @@ void measure_torus(int level, const Eigen::MatrixXcd& unit, TablesResult& result
 
 TablesResult compute_tables(const TablesOptions& options) {
   validate(options);
-  const auto start = std::chrono::steady_clock::now();
+  const detail::Stopwatch watch;
   TablesResult result;
   result.options = options;
   result.options.progress = nullptr;
@@ -392,7 +391,7 @@ TablesResult compute_tables(const TablesOptions& options) {
     announce("torus " + std::to_string(level));
     measure_torus(level, unit, result);
   }
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -14,9 +14,7 @@ namespace alcap {
 namespace detail {
 
 void validate(const GlobalOptions& o) {
-  const auto refuse = [](const char* field, double value, const char* rule) {
-    throw OptionError(field, std::to_string(value), rule);
-  };
+  const auto refuse = [](const char* field, double value, const char* rule) { throw OptionError(field, value, rule); };
   if (!(o.detail > 0) || !std::isfinite(o.detail)) refuse("detail", o.detail, "must be positive and finite");
   if (!(o.tan_cap > 0) || !std::isfinite(o.tan_cap)) refuse("tan_cap", o.tan_cap, "must be positive and finite");
   if (!(o.tolerance > 0) || o.tolerance >= 1) refuse("tolerance", o.tolerance, "must lie in (0, 1)");

@@ -8,6 +8,7 @@
 #include <limits>
 #include <string>
 
+#include "src/base/array.h"
 #include "src/connection/edge_to_face.h"
 
 namespace alcap::detail {
@@ -26,7 +27,7 @@ Flow::Flow(const ConnectedSurface& surface, const Field& field)
       geometry_(surface.geometry()),
       connection_(surface.connection()),
       field_(field) {
-  if (field.n < 1) throw OptionError("field.n", std::to_string(field.n), "must be at least 1");
+  if (field.n < 1) throw OptionError("field.n", field.n, "must be at least 1");
   check_rows("field.u", field.u.size(), mesh_.vertices());
   Eigen::RowVector3d low = Eigen::RowVector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (Index v = 0; v < mesh_.vertices(); ++v) {
@@ -39,12 +40,11 @@ Flow::Flow(const ConnectedSurface& surface, const Field& field)
   }
   diagonal_ = (high - low).norm();
   if (!(diagonal_ > 0) || !std::isfinite(diagonal_))
-    throw OptionError("V", std::to_string(diagonal_), "the box around the vertices must have a diagonal");
+    throw OptionError("V", diagonal_, "the box around the vertices must have a diagonal");
   mean_edge_ = geometry_.lengths().mean();
   zeros_ = find_singularities(surface, field);
-  zero_of_.assign(static_cast<std::size_t>(mesh_.faces()), none);
-  for (std::size_t k = 0; k < zeros_.size(); ++k)
-    zero_of_[static_cast<std::size_t>(zeros_[k].face)] = static_cast<Index>(k);
+  zero_of_.assign(detail::at(mesh_.faces()), none);
+  for (std::size_t k = 0; k < zeros_.size(); ++k) zero_of_[detail::at(zeros_[k].face)] = static_cast<Index>(k);
 }
 
 FaceChart Flow::chart(Index t, int sign) const {
@@ -86,7 +86,7 @@ bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector
     Index exit = none;
     double ahead = std::numeric_limits<double>::infinity();
     for (Index c = 0; c < 3; ++c) {
-      const double rate = dot(here.grad[c], w), b = at.barycentric[static_cast<std::size_t>(c)];
+      const double rate = dot(here.grad[c], w), b = at.barycentric[detail::at(c)];
       if (c == entry || !(rate < 0) || -b / rate >= ahead) continue;
       exit = c;
       ahead = -b / rate;
@@ -99,12 +99,12 @@ bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector
     }
     length -= ahead;
     at.barycentric = here.moved(at.barycentric, ahead * w);
-    at.barycentric[static_cast<std::size_t>(exit)] = 0;
+    at.barycentric[detail::at(exit)] = 0;
     at.barycentric = clamped(at.barycentric);
     const Index h = 3 * at.face + (exit + 1) % 3, g = mesh_.twin(h);
     if (g == none) return false;
     crossed.push_back(at);
-    const double s = std::clamp(at.barycentric[static_cast<std::size_t>((exit + 2) % 3)], off_vertex, 1 - off_vertex);
+    const double s = std::clamp(at.barycentric[detail::at((exit + 2) % 3)], off_vertex, 1 - off_vertex);
     const Cplx turn = kernels::unit(geometry_.direction(g) + pi<double> - geometry_.direction(h));
     w = w * turn;
     turned = turned * turn;

@@ -15,6 +15,7 @@
 #include "alcap/connected_surface.h"
 #include "alcap/streamlines.h"
 #include "kernels/complex.h"
+#include "src/base/array.h"
 
 namespace alcap::detail {
 
@@ -78,8 +79,8 @@ struct FaceChart {
     Cplx sum{0, 0};
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3, k = (i + 2) % 3;
-      sum = sum + b[static_cast<std::size_t>(i)] * (value[i] * kernels::unit(turn[k] * b[static_cast<std::size_t>(k)] -
-                                                                             turn[i] * b[static_cast<std::size_t>(j)]));
+      sum =
+          sum + b[detail::at(i)] * (value[i] * kernels::unit(turn[k] * b[detail::at(k)] - turn[i] * b[detail::at(j)]));
     }
     return sum;
   }
@@ -119,8 +120,8 @@ class Flow {
   [[nodiscard]] Cplx across(Index h, double s) const;
   /// Where the field vanishes in face t, if it does.
   [[nodiscard]] const Singularity* zero_in(Index t) const {
-    const Index k = zero_of_[static_cast<std::size_t>(t)];
-    return k == none ? nullptr : &zeros_[static_cast<std::size_t>(k)];
+    const Index k = zero_of_[detail::at(t)];
+    return k == none ? nullptr : &zeros_[detail::at(k)];
   }
 
   /// Straight on over the surface from p, `length` in the direction of the unit number w in the face of p. False when

@@ -9,6 +9,8 @@
 #include <memory>
 #include <optional>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/base/parallel.h"
 #include "src/curves/streamlines/curves.h"
 #include "src/curves/streamlines/grid.h"
@@ -74,13 +76,12 @@ class EvenlySpaced {
     const std::int64_t tries = (flow_.mesh().faces() + stride - 1) / stride * families_;
     constexpr std::int64_t block = 4096;
     for (std::int64_t first = 0; first < tries; first += block) {
-      std::vector<std::optional<Seed>> seeds(static_cast<std::size_t>(std::min(block, tries - first)));
+      std::vector<std::optional<Seed>> seeds(at(std::min(block, tries - first)));
       parallel_for(
           static_cast<std::int64_t>(seeds.size()),
           [&](std::int64_t k) {
             const std::int64_t i = first + k;
-            seeds[static_cast<std::size_t>(k)] =
-                middle(static_cast<Index>(i / families_ * stride), static_cast<int>(i % families_));
+            seeds[at(k)] = middle(static_cast<Index>(i / families_ * stride), static_cast<int>(i % families_));
           },
           64);
       for (const std::optional<Seed>& seed : seeds) {
@@ -146,8 +147,7 @@ class EvenlySpaced {
       const std::size_t count = std::min(round_size, sides_.size());
       std::vector<std::optional<Seed>> found(count);
       parallel_for(
-          static_cast<std::int64_t>(count),
-          [&](std::int64_t k) { found[static_cast<std::size_t>(k)] = beside(sides_[static_cast<std::size_t>(k)]); }, 1);
+          static_cast<std::int64_t>(count), [&](std::int64_t k) { found[at(k)] = beside(sides_[at(k)]); }, 1);
       // Seeds of one round keep their distance too; the later one waits for the next round.
       std::vector<Seed> seeds;
       SampleGrid taken(spacing_);
@@ -220,8 +220,7 @@ class EvenlySpaced {
   void trace_and_accept(const std::vector<Seed>& seeds) {
     std::vector<Draft> drafts(seeds.size());
     parallel_for(
-        static_cast<std::int64_t>(seeds.size()),
-        [&](std::int64_t k) { drafts[static_cast<std::size_t>(k)] = trace(seeds[static_cast<std::size_t>(k)]); }, 1);
+        static_cast<std::int64_t>(seeds.size()), [&](std::int64_t k) { drafts[at(k)] = trace(seeds[at(k)]); }, 1);
     round_.clear();
     for (std::size_t k = 0; k < drafts.size() && !full(); ++k) {
       Draft& d = drafts[k];
@@ -263,8 +262,11 @@ namespace alcap {
 
 CurveSet streamlines(const ConnectedSurface& surface, const Field& field, const StreamlineOptions& options) {
   detail::check(options);
-  const detail::Flow flow(surface, field);
-  return detail::collect(flow, detail::EvenlySpaced(flow, options).run());
+  return controlled(options.control, [&] {
+    detail::report_phase("curves");
+    const detail::Flow flow(surface, field);
+    return detail::collect(flow, detail::EvenlySpaced(flow, options).run());
+  });
 }
 
 }  // namespace alcap

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "alcap/conventions.h"
+#include "src/base/array.h"
 
 namespace alcap::detail {
 
@@ -44,8 +45,8 @@ class SampleGrid {
     for (std::int64_t i = low[0]; i <= high[0]; ++i)
       for (std::int64_t j = low[1]; j <= high[1]; ++j)
         for (std::int64_t k = low[2]; k <= high[2]; ++k)
-          for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = next_[static_cast<std::size_t>(s)]) {
-            const CurveSample& sample = samples_[static_cast<std::size_t>(s)];
+          for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = next_[at(s)]) {
+            const CurveSample& sample = samples_[at(s)];
             if ((sample.x - x).squaredNorm() < radius * radius && hit(sample)) return true;
           }
     return false;
@@ -67,7 +68,7 @@ class SampleGrid {
   [[nodiscard]] const Slot& slot(std::uint64_t key) const { return table_[position(key)]; }
   [[nodiscard]] std::size_t position(std::uint64_t key) const {
     const std::size_t mask = table_.size() - 1;
-    std::size_t p = static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 20) & mask;
+    std::size_t p = at((key * 0x9E3779B97F4A7C15ULL) >> 20) & mask;
     while (table_[p].head >= 0 && table_[p].key != key) p = (p + 1) & mask;
     return p;
   }

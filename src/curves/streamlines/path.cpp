@@ -9,6 +9,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/curves/streamlines/step.h"
 
 namespace alcap::detail {
@@ -25,7 +27,7 @@ constexpr int patience = 4096;
 // its error is of third order.
 constexpr double last_bit = 0.02;
 
-std::size_t at(Index c) { return static_cast<std::size_t>(c % 3); }
+std::size_t mod3(Index c) { return at(c % 3); }
 
 class Tracer {
  public:
@@ -54,6 +56,7 @@ class Tracer {
     double arc = 0;
     int crossings = 0;
     for (bool on = true; on;) {
+      check_cancelled();
       const std::optional<Index> opposite = traverse();
       on = opposite && leave(*opposite);
       if (arc_ > arc + smallest_step * flow_.mean_edge()) {
@@ -93,9 +96,9 @@ class Tracer {
       Index exit = none;
       double ahead = std::numeric_limits<double>::infinity();  // straight on, to the edge
       for (Index c = 0; c < 3; ++c)
-        if (rate(c) < 0 && -b_[at(c)] / rate(c) < ahead) {
+        if (rate(c) < 0 && -b_[mod3(c)] / rate(c) < ahead) {
           exit = c;
-          ahead = -b_[at(c)] / rate(c);
+          ahead = -b_[mod3(c)] / rate(c);
         }
       if (exit == none) {
         end(CurveEnd::stuck);
@@ -166,13 +169,13 @@ class Tracer {
   double inside(const Barycentric& to, const Cplx& v, double h) const {
     double shorter = h;
     for (Index c = 0; c < 3; ++c) {
-      const double r0 = rate(c), r1 = dot(chart_.grad[c], v), b = to[at(c)];
+      const double r0 = rate(c), r1 = dot(chart_.grad[c], v), b = to[mod3(c)];
       if (b < 0) {
         if (r1 < 0 && b >= last_bit_ * h * r1) continue;
         shorter = std::min(shorter, r1 < 0 ? std::clamp(h - b / r1, 0.1 * h, 0.97 * h) : 0.5 * h);
       } else if (r0 < 0 && r1 > 0) {
         const double lowest = -r0 * h / (r1 - r0);
-        if (b_[at(c)] + r0 * lowest / 2 < -1e-12) shorter = std::min(shorter, std::max(lowest, 0.1 * h));
+        if (b_[mod3(c)] + r0 * lowest / 2 < -1e-12) shorter = std::min(shorter, std::max(lowest, 0.1 * h));
       }
     }
     return shorter;
@@ -183,9 +186,9 @@ class Tracer {
     std::optional<Index> exit;
     double ahead = last_bit_ * h;
     for (Index c = 0; c < 3; ++c)
-      if (rate(c) < 0 && -b_[at(c)] / rate(c) <= ahead) {
+      if (rate(c) < 0 && -b_[mod3(c)] / rate(c) <= ahead) {
         exit = c;
-        ahead = -b_[at(c)] / rate(c);
+        ahead = -b_[mod3(c)] / rate(c);
       }
     if (!exit) return exit;
     const double bend = (v_from.re * v_.im - v_from.im * v_.re) / h;
@@ -199,7 +202,7 @@ class Tracer {
   }
 
   Index out_of(Index corner) {
-    b_[at(corner)] = 0;
+    b_[mod3(corner)] = 0;
     b_ = clamped(b_);
     return corner;
   }
@@ -248,7 +251,7 @@ class Tracer {
     record();
     if (arc_ >= limits_.length * (1 - 1e-12)) return end_if_allowed(CurveEnd::length);
     const Index h = 3 * chart_.face + (corner + 1) % 3;
-    const double s = b_[at(corner + 2)];
+    const double s = b_[mod3(corner + 2)];
     if (s <= at_vertex) return through_vertex((corner + 1) % 3);
     if (1 - s <= at_vertex) return through_vertex((corner + 2) % 3);
     if (mesh_.twin(h) == none) return end_if_allowed(CurveEnd::boundary);

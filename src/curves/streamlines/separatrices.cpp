@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/base/parallel.h"
 #include "src/curves/streamlines/curves.h"
 
@@ -67,31 +69,33 @@ Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi
 CurveSet separatrices(const ConnectedSurface& surface, const Field& field, std::span<const Singularity> singularities,
                       const StreamlineOptions& options) {
   detail::check(options);
-  const detail::Flow flow(surface, field);
-  const detail::PathLimits limits = detail::limits(flow, options);
-  for (std::size_t k = 0; k < singularities.size(); ++k)
-    if (singularities[k].face < 0 || singularities[k].face >= surface.mesh().faces())
-      throw OptionError("singularities[" + std::to_string(k) + "]", std::to_string(singularities[k].face),
-                        "there is no such face");
-  std::vector<std::vector<detail::Curve>> found(singularities.size());
-  parallel_for(
-      static_cast<std::int64_t>(singularities.size()),
-      [&](std::int64_t i) {
-        const Singularity& zero = singularities[static_cast<std::size_t>(i)];
-        if (!zero.located || zero.index == field.n) return;
-        const double radius = detail::start_radius * limits.zero_radius;
-        for (const int sign : {1, -1}) {
-          if (sign < 0 && field.n % 2 == 0) break;  // the opposite of a branch is one
-          const detail::FaceChart chart = flow.chart(zero.face, sign);
-          for (const double phi : detail::outward_angles(chart, field.n, zero, radius))
-            found[static_cast<std::size_t>(i)].push_back(detail::leave(flow, zero, radius, phi, sign, limits));
-        }
-      },
-      1);
-  std::vector<detail::Curve> curves;
-  for (auto& from : found)
-    for (auto& curve : from) curves.push_back(std::move(curve));
-  return detail::collect(flow, curves);
+  return controlled(options.control, [&] {
+    detail::report_phase("curves");
+    const detail::Flow flow(surface, field);
+    const detail::PathLimits limits = detail::limits(flow, options);
+    for (std::size_t k = 0; k < singularities.size(); ++k)
+      if (singularities[k].face < 0 || singularities[k].face >= surface.mesh().faces())
+        throw OptionError("singularities[" + std::to_string(k) + "]", singularities[k].face, "there is no such face");
+    std::vector<std::vector<detail::Curve>> found(singularities.size());
+    parallel_for(
+        static_cast<std::int64_t>(singularities.size()),
+        [&](std::int64_t i) {
+          const Singularity& zero = singularities[detail::at(i)];
+          if (!zero.located || zero.index == field.n) return;
+          const double radius = detail::start_radius * limits.zero_radius;
+          for (const int sign : {1, -1}) {
+            if (sign < 0 && field.n % 2 == 0) break;  // the opposite of a branch is one
+            const detail::FaceChart chart = flow.chart(zero.face, sign);
+            for (const double phi : detail::outward_angles(chart, field.n, zero, radius))
+              found[detail::at(i)].push_back(detail::leave(flow, zero, radius, phi, sign, limits));
+          }
+        },
+        1);
+    std::vector<detail::Curve> curves;
+    for (auto& from : found)
+      for (auto& curve : from) curves.push_back(std::move(curve));
+    return detail::collect(flow, curves);
+  });
 }
 
 }  // namespace alcap

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <string>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/base/parallel.h"
 #include "src/curves/streamlines/curves.h"
 
@@ -13,9 +15,7 @@ namespace alcap {
 namespace detail {
 
 void check(const StreamlineOptions& o) {
-  const auto bad = [](const char* field, double value, const char* rule) {
-    throw OptionError(field, std::to_string(value), rule);
-  };
+  const auto bad = [](const char* field, double value, const char* rule) { throw OptionError(field, value, rule); };
   if (!(o.spacing >= 1e-5 && o.spacing <= 1)) bad("spacing", o.spacing, "must be in [1e-5, 1] box diagonals");
   if (!(o.separation > 0 && o.separation <= 0.9)) bad("separation", o.separation, "must be in (0, 0.9]");
   if (!(o.min_length >= 0 && std::isfinite(o.min_length))) bad("min_length", o.min_length, "must not be negative");
@@ -23,7 +23,7 @@ void check(const StreamlineOptions& o) {
   if (!(o.tolerance >= 1e-12 && o.tolerance <= 0.1)) bad("tolerance", o.tolerance, "must be in [1e-12, 0.1]");
   if (!(o.singularity_radius >= 1e-6 && o.singularity_radius <= 1))
     bad("singularity_radius", o.singularity_radius, "must be in [1e-6, 1] mean edge lengths");
-  if (o.max_curves < 1) throw OptionError("max_curves", std::to_string(o.max_curves), "must be at least 1");
+  if (o.max_curves < 1) throw OptionError("max_curves", o.max_curves, "must be at least 1");
 }
 
 PathLimits limits(const Flow& flow, const StreamlineOptions& options) {
@@ -59,15 +59,15 @@ CurveSet collect(const Flow& flow, const std::vector<Curve>& curves) {
   const std::int64_t total = set.offsets.back();
   set.points.resize(total, 3);
   set.barycentric.resize(total, 3);
-  set.faces.resize(static_cast<std::size_t>(total));
+  set.faces.resize(detail::at(total));
   parallel_for(
       set.size(),
       [&](std::int64_t k) {
-        std::int64_t row = set.offsets[static_cast<std::size_t>(k)];
-        for (const SurfacePoint& p : curves[static_cast<std::size_t>(k)].points) {
+        std::int64_t row = set.offsets[detail::at(k)];
+        for (const SurfacePoint& p : curves[detail::at(k)].points) {
           set.points.row(row) = flow.position(p.face, p.barycentric);
           set.barycentric.row(row) << p.barycentric[0], p.barycentric[1], p.barycentric[2];
-          set.faces[static_cast<std::size_t>(row++)] = p.face;
+          set.faces[detail::at(row++)] = p.face;
         }
       },
       16);
@@ -81,16 +81,15 @@ namespace {
 SurfacePoint checked(const Mesh& mesh, const SurfacePoint& p, std::size_t k) {
   const std::string field = "seeds[" + std::to_string(k) + "]";
   if (p.face < 0 || p.face >= mesh.faces())
-    throw OptionError(field, std::to_string(p.face),
-                      "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+    throw OptionError(field, p.face, "there is no such face; the mesh has " + std::to_string(mesh.faces()));
   double sum = 0;
   for (const double b : p.barycentric) {
     if (!(b >= -1e-6 && b <= 1 + 1e-6))
-      throw OptionError(field, std::to_string(b), "barycentric coordinates are not negative and sum to 1");
+      throw OptionError(field, b, "barycentric coordinates are not negative and sum to 1");
     sum += b;
   }
   if (!(std::abs(sum - 1) <= 1e-6))
-    throw OptionError(field, std::to_string(sum), "barycentric coordinates are not negative and sum to 1");
+    throw OptionError(field, sum, "barycentric coordinates are not negative and sum to 1");
   return {p.face, detail::clamped(p.barycentric)};
 }
 
@@ -98,14 +97,14 @@ SurfacePoint checked(const Mesh& mesh, const SurfacePoint& p, std::size_t k) {
 
 double CurveSet::length(std::int64_t k) const {
   double sum = 0;
-  for (std::int64_t i = offsets[static_cast<std::size_t>(k)] + 1; i < offsets[static_cast<std::size_t>(k) + 1]; ++i)
+  for (std::int64_t i = offsets[detail::at(k)] + 1; i < offsets[detail::at(k) + 1]; ++i)
     sum += (points.row(i) - points.row(i - 1)).norm();
   return sum;
 }
 
 void CurveSet::append(const CurveSet& other) {
   const std::int64_t base = offsets.back();
-  for (std::int64_t k = 1; k <= other.size(); ++k) offsets.push_back(base + other.offsets[static_cast<std::size_t>(k)]);
+  for (std::int64_t k = 1; k <= other.size(); ++k) offsets.push_back(base + other.offsets[detail::at(k)]);
   const auto below = [](Positions<double>& a, const Positions<double>& b) {
     const Eigen::Index rows = a.rows();
     a.conservativeResize(rows + b.rows(), 3);
@@ -121,36 +120,39 @@ void CurveSet::append(const CurveSet& other) {
 CurveSet trace_curves(const ConnectedSurface& surface, const Field& field, std::span<const CurveSeed> seeds,
                       const StreamlineOptions& options) {
   detail::check(options);
-  const detail::Flow flow(surface, field);
-  const detail::PathLimits limits = detail::limits(flow, options);
-  std::vector<SurfacePoint> starts;
-  for (std::size_t k = 0; k < seeds.size(); ++k) {
-    starts.push_back(checked(surface.mesh(), seeds[k].point, k));
-    if (!std::isfinite(seeds[k].angle))
-      throw OptionError("seeds[" + std::to_string(k) + "].angle", std::to_string(seeds[k].angle), "must be finite");
-  }
-  std::vector<detail::Curve> curves(seeds.size());
-  parallel_for(
-      static_cast<std::int64_t>(seeds.size()),
-      [&](std::int64_t i) {
-        const auto k = static_cast<std::size_t>(i);
-        const detail::FaceChart chart = flow.chart(starts[k].face);
-        const detail::Cplx v =
-            detail::RootNear(kernels::unit(seeds[k].angle), field.n).nearest(chart.at(starts[k].barycentric));
-        const auto trace = [&](int sign) {
-          return detail::trace_path(flow, starts[k], sign < 0 ? -v : v, sign, limits);
-        };
-        detail::Path forward, backward;
-        if (options.sides != CurveSides::backward) forward = trace(1);
-        if (options.sides != CurveSides::forward && forward.end != CurveEnd::loop) backward = trace(-1);
-        if (options.sides == CurveSides::backward) {
-          forward.points = {backward.points.front()};
-          forward.end = backward.end == CurveEnd::loop ? CurveEnd::loop : CurveEnd::seed;
-        }
-        curves[k] = detail::join(forward, backward);
-      },
-      1);
-  return detail::collect(flow, curves);
+  return controlled(options.control, [&] {
+    detail::report_phase("curves");
+    const detail::Flow flow(surface, field);
+    const detail::PathLimits limits = detail::limits(flow, options);
+    std::vector<SurfacePoint> starts;
+    for (std::size_t k = 0; k < seeds.size(); ++k) {
+      starts.push_back(checked(surface.mesh(), seeds[k].point, k));
+      if (!std::isfinite(seeds[k].angle))
+        throw OptionError("seeds[" + std::to_string(k) + "].angle", seeds[k].angle, "must be finite");
+    }
+    std::vector<detail::Curve> curves(seeds.size());
+    parallel_for(
+        static_cast<std::int64_t>(seeds.size()),
+        [&](std::int64_t i) {
+          const auto k = detail::at(i);
+          const detail::FaceChart chart = flow.chart(starts[k].face);
+          const detail::Cplx v =
+              detail::RootNear(kernels::unit(seeds[k].angle), field.n).nearest(chart.at(starts[k].barycentric));
+          const auto trace = [&](int sign) {
+            return detail::trace_path(flow, starts[k], sign < 0 ? -v : v, sign, limits);
+          };
+          detail::Path forward, backward;
+          if (options.sides != CurveSides::backward) forward = trace(1);
+          if (options.sides != CurveSides::forward && forward.end != CurveEnd::loop) backward = trace(-1);
+          if (options.sides == CurveSides::backward) {
+            forward.points = {backward.points.front()};
+            forward.end = backward.end == CurveEnd::loop ? CurveEnd::loop : CurveEnd::seed;
+          }
+          curves[k] = detail::join(forward, backward);
+        },
+        1);
+    return detail::collect(flow, curves);
+  });
 }
 
 }  // namespace alcap

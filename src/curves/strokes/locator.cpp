@@ -10,6 +10,8 @@
 
 #include "alcap/strokes.h"
 #include "alcap/surface.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 
 namespace alcap {
 namespace {
@@ -60,10 +62,9 @@ double squared_distance(const Point& low, const Point& high, const Point& x) {
 SurfaceLocator::SurfaceLocator(const Surface& surface) {
   const Mesh& mesh = surface.mesh();
   const Positions<double>& V = surface.positions();
-  corners_.resize(static_cast<std::size_t>(mesh.faces()));
+  corners_.resize(detail::at(mesh.faces()));
   for (Index t = 0; t < mesh.faces(); ++t)
-    for (Index c = 0; c < 3; ++c)
-      corners_[static_cast<std::size_t>(t)][static_cast<std::size_t>(c)] = V.row(mesh.F()(t, c));
+    for (Index c = 0; c < 3; ++c) corners_[detail::at(t)][detail::at(c)] = V.row(mesh.F()(t, c));
   order_.resize(corners_.size());
   std::iota(order_.begin(), order_.end(), Index{0});
   boxes_.reserve(corners_.size());
@@ -71,11 +72,12 @@ SurfaceLocator::SurfaceLocator(const Surface& surface) {
 }
 
 Index SurfaceLocator::build(Index begin, Index end) {
+  detail::check_cancelled();
   const Index at = static_cast<Index>(boxes_.size());
   const double infinity = std::numeric_limits<double>::infinity();
   Box box{Point::Constant(infinity), Point::Constant(-infinity), begin, end, none};
   for (Index k = begin; k < end; ++k)
-    for (const Point& p : corners_[static_cast<std::size_t>(order_[static_cast<std::size_t>(k)])]) {
+    for (const Point& p : corners_[detail::at(order_[static_cast<std::size_t>(k)])]) {
       box.low = box.low.cwiseMin(p);
       box.high = box.high.cwiseMax(p);
     }
@@ -85,7 +87,7 @@ Index SurfaceLocator::build(Index begin, Index end) {
   (box.high - box.low).maxCoeff(&axis);
   const Index middle = begin + (end - begin) / 2;
   const auto center = [&](Index t) {
-    const auto& p = corners_[static_cast<std::size_t>(t)];
+    const auto& p = corners_[detail::at(t)];
     return p[0][axis] + p[1][axis] + p[2][axis];
   };
   std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](Index s, Index t) {
@@ -93,7 +95,7 @@ Index SurfaceLocator::build(Index begin, Index end) {
     return a != b ? a < b : s < t;
   });
   build(begin, middle);
-  boxes_[static_cast<std::size_t>(at)].right = build(middle, end);
+  boxes_[detail::at(at)].right = build(middle, end);
   return at;
 }
 
@@ -108,12 +110,12 @@ SurfacePoint SurfaceLocator::closest(const Eigen::RowVector3d& point) const {
     const auto [at, bound] = stack.back();
     stack.pop_back();
     if (bound > least) continue;
-    const Box& box = boxes_[static_cast<std::size_t>(at)];
+    const Box& box = boxes_[detail::at(at)];
     if (box.right == none) {
       for (Index k = box.begin; k < box.end; ++k) {
-        const Index t = order_[static_cast<std::size_t>(k)];
+        const Index t = order_[detail::at(k)];
         double squared = 0;
-        const auto b = closest_in(corners_[static_cast<std::size_t>(t)], point, squared);
+        const auto b = closest_in(corners_[detail::at(t)], point, squared);
         if (squared < least || (squared == least && t < best.face)) {
           least = squared;
           best = {t, b};
@@ -122,7 +124,7 @@ SurfacePoint SurfaceLocator::closest(const Eigen::RowVector3d& point) const {
       continue;
     }
     const auto distance = [&](Index b) {
-      const Box& child = boxes_[static_cast<std::size_t>(b)];
+      const Box& child = boxes_[detail::at(b)];
       return std::pair{b, squared_distance(child.low, child.high, point)};
     };
     auto near = distance(at + 1), far = distance(box.right);

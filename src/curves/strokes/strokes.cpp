@@ -6,6 +6,9 @@
 #include <string>
 
 #include "alcap/shortest_path.h"
+#include "alcap/surface.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/curves/strokes/trace.h"
 
 namespace alcap {
@@ -35,18 +38,17 @@ void append(SurfacePolyline& line, const Mesh& mesh, const Geometry& geometry, c
 SurfacePoint checked(const Mesh& mesh, const SurfacePoint& p, std::size_t k) {
   const std::string field = "points[" + std::to_string(k) + "]";
   if (p.face < 0 || p.face >= mesh.faces())
-    throw OptionError(field, std::to_string(p.face),
-                      "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+    throw OptionError(field, p.face, "there is no such face; the mesh has " + std::to_string(mesh.faces()));
   SurfacePoint q = p;
   double sum = 0;
   for (double& b : q.barycentric) {
     if (!(b >= -1e-6 && b <= 1 + 1e-6))
-      throw OptionError(field, std::to_string(b), "barycentric coordinates are not negative and sum to 1");
+      throw OptionError(field, b, "barycentric coordinates are not negative and sum to 1");
     sum += b;
     if (b < on_edge) b = 0;
   }
   if (!(std::abs(sum - 1) <= 1e-6))
-    throw OptionError(field, std::to_string(sum), "barycentric coordinates are not negative and sum to 1");
+    throw OptionError(field, sum, "barycentric coordinates are not negative and sum to 1");
   sum = q.barycentric[0] + q.barycentric[1] + q.barycentric[2];
   for (double& b : q.barycentric) b /= sum;
   return q;
@@ -66,17 +68,17 @@ bool before(const SurfacePoint& p, const SurfacePoint& q) {
 }
 
 bool connected(const Mesh& mesh, Index from, Index to) {
-  std::vector<bool> seen(static_cast<std::size_t>(mesh.faces()), false);
+  std::vector<bool> seen(detail::at(mesh.faces()), false);
   std::vector<Index> stack{from};
-  seen[static_cast<std::size_t>(from)] = true;
+  seen[detail::at(from)] = true;
   while (!stack.empty()) {
     const Index t = stack.back();
     stack.pop_back();
     if (t == to) return true;
     for (Index h = 3 * t; h < 3 * t + 3; ++h) {
       const Index g = mesh.twin(h);
-      if (g == none || seen[static_cast<std::size_t>(g / 3)]) continue;
-      seen[static_cast<std::size_t>(g / 3)] = true;
+      if (g == none || seen[detail::at(g / 3)]) continue;
+      seen[detail::at(g / 3)] = true;
       stack.push_back(g / 3);
     }
   }
@@ -125,8 +127,7 @@ SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<
   const Geometry& geometry = surface.geometry();
   for (std::size_t k = 0; k < vertices.size(); ++k)
     if (vertices[k] < 0 || vertices[k] >= mesh.vertices() || !mesh.referenced(vertices[k]))
-      throw OptionError("vertices[" + std::to_string(k) + "]", std::to_string(vertices[k]),
-                        "must be a vertex that a face uses");
+      throw OptionError("vertices[" + std::to_string(k) + "]", vertices[k], "must be a vertex that a face uses");
   SurfacePolyline line;
   for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
     const Index a = vertices[k], b = vertices[k + 1];

@@ -12,6 +12,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/array.h"
+#include "src/base/cancel.h"
+
 namespace alcap::detail {
 namespace {
 
@@ -75,6 +78,7 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
   std::vector<Step> steps;
   SurfacePoint at = start;
   do {
+    check_cancelled();
     for (const SurfacePoint& end : ends)
       if (end.face == at.face) {
         steps.push_back({at.face, at.barycentric, end.barycentric});
@@ -95,7 +99,7 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
 
 std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& p) {
   std::vector<SurfacePoint> all{p};
-  const auto zero = [&](Index c) { return p.barycentric[static_cast<std::size_t>(c % 3)] == 0; };
+  const auto zero = [&](Index c) { return p.barycentric[detail::at(c % 3)] == 0; };
   for (Index c = 0; c < 3; ++c) {
     if (zero(c + 1) && zero(c + 2)) {
       const Index v = mesh.F()(p.face, c);
@@ -109,8 +113,8 @@ std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& 
     const Index h = 3 * p.face + c, g = mesh.twin(h);
     if (!zero(c + 2) || g == none) continue;
     SurfacePoint q{g / 3, {}};
-    q.barycentric[static_cast<std::size_t>(Mesh::next(g) % 3)] = p.barycentric[static_cast<std::size_t>(c)];
-    q.barycentric[static_cast<std::size_t>(g % 3)] = p.barycentric[static_cast<std::size_t>(Mesh::next(h) % 3)];
+    q.barycentric[detail::at(Mesh::next(g) % 3)] = p.barycentric[detail::at(c)];
+    q.barycentric[detail::at(g % 3)] = p.barycentric[detail::at(Mesh::next(h) % 3)];
     all.push_back(q);
   }
   return all;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "alcap/eigen_design.h"
 
-#include <chrono>
 #include <cmath>
 #include <string>
 
@@ -9,6 +8,8 @@
 #include "alcap/energies.h"
 #include "alcap/operators.h"
 #include "alcap/singularities.h"
+#include "src/base/cancel.h"
+#include "src/base/clock.h"
 #include "src/base/parallel.h"
 #include "src/design/eigen/pencil.h"
 #include "src/design/eigen/rows.h"
@@ -31,29 +32,24 @@ constexpr double target_reward = 1000;
 // Penalty of the flux across, in units of 1 / area of the face.
 constexpr double target_penalty = 1e4;
 
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 void validate(const Mesh& mesh, const EigenControls& controls, const EigenDesignOptions& options) {
   const std::vector<EigenStroke>& strokes = controls.strokes;
-  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
-  if (options.largest_rank < 0)
-    throw OptionError("largest_rank", std::to_string(options.largest_rank), "must not be negative");
+  if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
+  if (options.largest_rank < 0) throw OptionError("largest_rank", options.largest_rank, "must not be negative");
   if (!(options.offset >= 0) || !std::isfinite(options.offset))
-    throw OptionError("offset", std::to_string(options.offset), "must be finite and not negative");
+    throw OptionError("offset", options.offset, "must be finite and not negative");
   for (std::size_t k = 0; k < strokes.size(); ++k) {
     const std::string name = "strokes[" + std::to_string(k) + "]";
     const double weight = strokes[k].weight;
     if (!(weight > 0) || !std::isfinite(weight))
-      throw OptionError(name + ".weight", std::to_string(weight), "must be positive and finite");
+      throw OptionError(name + ".weight", weight, "must be positive and finite");
     if (strokes[k].line.segments.empty()) throw OptionError(name + ".line", "empty", "a stroke needs some length");
     for (const SurfaceSegment& segment : strokes[k].line.segments) {
       if (segment.face < 0 || segment.face >= mesh.faces())
-        throw OptionError(name + ".line", std::to_string(segment.face),
+        throw OptionError(name + ".line", segment.face,
                           "there is no such face; the mesh has " + std::to_string(mesh.faces()));
       if (!(segment.length > 0) || !std::isfinite(segment.length))
-        throw OptionError(name + ".line", std::to_string(segment.length), "segments have a positive length");
+        throw OptionError(name + ".line", segment.length, "segments have a positive length");
     }
   }
   for (const SingularityTarget& target : controls.singularities) {
@@ -127,17 +123,15 @@ EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n,
   return report;
 }
 
-}  // namespace
-
-EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenControls& controls,
-                               const EigenDesignOptions& options) {
+EigenDesignResult solved(const ConnectedSurface& surface, const EigenControls& controls,
+                         const EigenDesignOptions& options) {
+  detail::report_phase("assembly");
   const Mesh& mesh = surface.mesh();
   const Geometry& geometry = surface.geometry();
   const Connection& connection = surface.connection();
   const Topology& topology = surface.topology();
-  validate(mesh, controls, options);
   const std::vector<EigenStroke>& strokes = controls.strokes;
-  const auto start = std::chrono::steady_clock::now();
+  detail::Stopwatch watch;
   EigenDesignResult result;
   result.field.n = options.n;
   if (surface.in_space()) result.field.frames = surface.frames();
@@ -160,8 +154,7 @@ EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenContr
     const std::size_t c = component_of(strokes[k]);
     for (const SurfaceSegment& segment : strokes[k].line.segments)
       if (topology.face_component[static_cast<std::size_t>(segment.face)] != static_cast<Index>(c))
-        throw OptionError("strokes[" + std::to_string(k) + "].line", std::to_string(segment.face),
-                          "a stroke stays on one component");
+        throw OptionError("strokes[" + std::to_string(k) + "].line", segment.face, "a stroke stays on one component");
     const double weight = strokes[k].weight * stroke_scale * std::sqrt(areas[c]);
     append(rows[c],
            detail::stroke_rows(mesh, geometry, connection, options.n, strokes[k].line, options.offset / areas[c]),
@@ -200,9 +193,9 @@ EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenContr
   }
   for (std::size_t c = 0; c < areas.size(); ++c)
     if (!joint[c].vertex.empty()) rows[c].along.push_back(std::move(joint[c]));
-  result.assembly_seconds = seconds_since(start);
+  result.assembly_seconds = watch.lap();
 
-  const auto solve_start = std::chrono::steady_clock::now();
+  detail::report_phase("solve");
   result.components.resize(areas.size());
   const bool whole = areas.size() == 1 && mesh.referenced_vertices() == mesh.vertices();
   parallel_for(
@@ -223,6 +216,7 @@ EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenContr
       },
       1);
 
+  detail::report_phase("analysis");
   // Of u and -u the one that goes with the singularities, or else with the strokes.
   std::vector<double> along(areas.size(), 0.0), flux(areas.size(), 0.0);
   for (std::size_t k = 0; k < fluxes.size(); ++k)
@@ -244,8 +238,19 @@ EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenContr
           judge(k, target, fluxes[k], indices[static_cast<std::size_t>(target.face)], options.n, result.field.u));
     }
   }
-  result.eigen_seconds = seconds_since(solve_start);
+  result.eigen_seconds = watch.seconds();
   return result;
+}
+
+}  // namespace
+
+EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenControls& controls,
+                               const EigenDesignOptions& options) {
+  validate(surface.mesh(), controls, options);
+  return controlled(options.control, [&] {
+    const detail::ControlScope eigen(options.eigen.cancel);
+    return solved(surface, controls, options);
+  });
 }
 
 }  // namespace alcap

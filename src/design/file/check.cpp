@@ -69,7 +69,7 @@ void check(const std::string& path, const DesignSingularity& s, int n) {
   const bool of_vectors =
       s.kind == SingularityKind::sink || s.kind == SingularityKind::vortex || s.kind == SingularityKind::spiral;
   const bool of_lines = s.kind == SingularityKind::wedge || s.kind == SingularityKind::trisector;
-  const std::string kind = std::string("\"") + name(s.kind) + "\"";
+  const std::string kind = "\"" + std::string(name(s.kind)) + "\"";
   if ((of_vectors && n != 1) || (of_lines && n != 2))
     throw Problem{path + "/kind", kind,
                   std::string("exists for n = ") + (of_lines ? "2" : "1") + " only, and here n = " + std::to_string(n) +
@@ -144,7 +144,7 @@ void check(const DesignGuidance& g, int n) {
   check_positive("/guidance/weight", g.weight);
   if (g.source == Source::file && g.file.empty()) throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
   if ((g.source == Source::curvature && n % 2 != 0) || (g.source == Source::least_curvature && n != 2))
-    throw Problem{"/guidance/field", std::string("\"") + name(g.source) + "\"",
+    throw Problem{"/guidance/field", "\"" + std::string(name(g.source)) + "\"",
                   g.source == Source::curvature
                       ? "principal directions are lines: n must be even, and here it is " + std::to_string(n)
                       : "is for n = 2, and here n = " + std::to_string(n)};
@@ -167,7 +167,8 @@ void check_eigen(const DesignFile& design) {
   const auto refuse = [](const std::string& path, const std::string& value) {
     throw Problem{path, value, "goes with the variational method, and here it is eigen"};
   };
-  if (design.guidance.source != DesignGuidance::Source::none) refuse("/guidance", name(design.guidance.source));
+  if (design.guidance.source != DesignGuidance::Source::none)
+    refuse("/guidance", std::string(name(design.guidance.source)));
   if (!design.fixed.empty()) refuse("/fixed", std::to_string(design.fixed.size()) + " vertices");
   if (design.boundary.wanted) refuse("/boundary", design.boundary.normal ? "normal" : "tangent");
   for (std::size_t k = 0; k < design.singularities.size(); ++k)

@@ -98,27 +98,25 @@ class Node {
   std::string path_;
 };
 
-template <class T>
-struct Named {
-  const char* name;
-  T value;
-};
-
+/// What the text of a node stands for; the names in the order in which the message lists them.
 template <class T, std::size_t N>
-T pick(const Node& node, const Named<T> (&names)[N]) {
+T pick(const Node& node, const std::array<std::pair<T, std::string_view>, N>& names) {
   const std::string text = node.text();
   std::string list;
-  for (const auto& n : names) {
-    if (text == n.name) return n.value;
-    list += (list.empty() ? "" : ", ") + std::string(n.name);
+  for (const auto& [value, name] : names) {
+    if (text == name) return value;
+    list += (list.empty() ? "" : ", ") + std::string(name);
   }
   node.fail("must be one of " + list);
 }
 
-constexpr Named<SingularityKind> kinds[] = {
-    {"source", SingularityKind::source},      {"sink", SingularityKind::sink},     {"vortex", SingularityKind::vortex},
-    {"spiral", SingularityKind::spiral},      {"saddle", SingularityKind::saddle}, {"wedge", SingularityKind::wedge},
-    {"trisector", SingularityKind::trisector}};
+/// The enumerators with their names.
+template <class E, std::size_t N>
+constexpr auto named(const E (&values)[N]) {
+  std::array<std::pair<E, std::string_view>, N> names;
+  for (std::size_t k = 0; k < N; ++k) names[k] = {values[k], name(values[k])};
+  return names;
+}
 
 /// 0.25 or "1/4".
 double cone_index(const Node& node) {
@@ -151,7 +149,7 @@ DesignSingularity read_singularity(const Node& node) {
   node.keys({"name", "face", "at", "kind", "angle", "relative_to", "strength", "pin"});
   DesignSingularity s{.name = read_name(node)};
   read_place(node, "face", s.face, s.at);
-  s.kind = pick(node.at("kind"), kinds);
+  s.kind = pick(node.at("kind"), names_of<SingularityKind>());
   if (const auto x = node.find("angle")) {
     s.angle = x->number();
   } else if (s.kind == SingularityKind::spiral) {
@@ -179,8 +177,7 @@ DesignFixed read_fixed(const Node& node) {
   if (const auto x = node.find("relative_to")) f.relative_to = x->triple();
   if (const auto x = node.find("length")) {
     if (x->is_string()) {
-      constexpr Named<bool> names[] = {{"free", true}};
-      f.free_length = pick(*x, names);
+      f.free_length = pick(*x, std::to_array<std::pair<bool, std::string_view>>({{true, "free"}}));
     } else {
       f.length = x->number();
     }
@@ -214,7 +211,7 @@ DesignStroke read_stroke(const Node& node) {
 
 DesignBoundary read_boundary(const Node& node) {
   node.keys({"align", "weight"});
-  constexpr Named<bool> names[] = {{"tangent", false}, {"normal", true}};
+  constexpr auto names = std::to_array<std::pair<bool, std::string_view>>({{false, "tangent"}, {true, "normal"}});
   DesignBoundary b{.wanted = true, .normal = pick(node.at("align"), names)};
   if (const auto x = node.find("weight")) b.weight = x->number();
   return b;
@@ -230,18 +227,14 @@ std::vector<double> read_turns(const Node& node) {
 DesignConnection read_connection(const Node& node) {
   node.keys({"kind", "detail", "cones", "balance", "holonomy", "loops"});
   DesignConnection c;
-  enum class Kind { global, local, polar, barycenter, trivial };
-  constexpr Named<Kind> names[] = {{"global", Kind::global},
-                                   {"local", Kind::local},
-                                   {"polar", Kind::polar},
-                                   {"polar-barycenter", Kind::barycenter},
-                                   {"trivial", Kind::trivial}};
-  const Kind kind = pick(node.at("kind"), names);
-  c.kind = kind == Kind::global    ? ConnectionKind::global
-           : kind == Kind::local   ? ConnectionKind::local
-           : kind == Kind::trivial ? ConnectionKind::trivial
-                                   : ConnectionKind::polar;
-  if (kind == Kind::barycenter) c.center = PolarCenter::barycenter;
+  constexpr auto named_choice = [](ConnectionChoice choice) { return std::pair{choice, name(choice)}; };
+  constexpr std::array names{named_choice({ConnectionKind::global}), named_choice({ConnectionKind::local}),
+                             named_choice({ConnectionKind::polar}),
+                             named_choice({ConnectionKind::polar, PolarCenter::barycenter}),
+                             named_choice({ConnectionKind::trivial})};
+  const ConnectionChoice choice = pick(node.at("kind"), names);
+  c.kind = choice.kind;
+  c.center = choice.center;
   if (const auto x = node.find("detail")) c.detail = x->number();
   if (const auto x = node.find("cones")) {
     for (const Node& cone : x->list()) {
@@ -270,11 +263,8 @@ DesignGuidance read_guidance(const Node& node, const std::filesystem::path& fold
   const auto field = node.find("field"), file = node.find("file");
   if (field.has_value() == file.has_value()) node.fail("needs either field or file");
   if (field) {
-    constexpr Named<DesignGuidance::Source> names[] = {{"smoothest", DesignGuidance::Source::smoothest},
-                                                       {"curvature", DesignGuidance::Source::curvature},
-                                                       {"least-curvature", DesignGuidance::Source::least_curvature},
-                                                       {"zero", DesignGuidance::Source::zero}};
-    g.source = pick(*field, names);
+    using enum DesignGuidance::Source;
+    g.source = pick(*field, named({smoothest, curvature, least_curvature, zero}));
   } else {
     g.source = DesignGuidance::Source::file;
     const std::string text = file->text();
@@ -305,9 +295,7 @@ DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
   }
   design.n = node.at("n").whole<int>();
   if (const auto x = node.find("method")) {
-    constexpr Named<DesignMethod> names[] = {{"variational", DesignMethod::variational},
-                                             {"eigen", DesignMethod::eigen}};
-    design.method = pick(*x, names);
+    design.method = pick(*x, names_of<DesignMethod>());
   }
   if (const auto x = node.find("s")) design.s = x->number();
   if (const auto x = node.find("boundary")) design.boundary = read_boundary(*x);

@@ -74,8 +74,7 @@ SurfacePolyline traced(const std::string& path, const Surface& surface, const De
     for (const DesignPoint& p : stroke.points) points.push_back({p.face, p.barycentric});
     return stroke_through_points(surface, points);
   } catch (const OptionError& e) {
-    const std::string head = OptionError(e.field(), e.value(), "").what();
-    throw OptionError(path, e.field() + " " + e.value(), std::string(e.what()).substr(head.size()));
+    throw OptionError(path, e.field() + " " + e.value(), e.rule());
   }
 }
 

@@ -18,9 +18,6 @@ struct Problem {
 /// Throws Problem.
 void check_design_values(const DesignFile& design);
 
-/// The shortest text that reads back as the same number; NaN and infinities by name.
-[[nodiscard]] std::string number_text(double value);
-
 /// The name of a control for messages: the user's, or what and where it is.
 [[nodiscard]] std::string label(const DesignSingularity& s);
 [[nodiscard]] std::string label(const DesignFixed& f);

@@ -70,11 +70,7 @@ Json json_of(const DesignStroke& s) {
 
 Json json_of(const DesignConnection& c) {
   Json json = Json::object();
-  json["kind"] = c.kind == ConnectionKind::global      ? "global"
-                 : c.kind == ConnectionKind::local     ? "local"
-                 : c.kind == ConnectionKind::trivial   ? "trivial"
-                 : c.center == PolarCenter::barycenter ? "polar-barycenter"
-                                                       : "polar";
+  json["kind"] = name(ConnectionChoice{c.kind, c.center});
   if (c.detail != 1) json["detail"] = c.detail;
   for (const Cone& cone : c.cones) json["cones"].push_back({{"vertex", cone.vertex}, {"index", cone.index}});
   for (const DesignConeAt& cone : c.cones_at) json["cones"].push_back({{"at", cone.at}, {"index", cone.index}});
@@ -129,52 +125,6 @@ void write_design(const std::filesystem::path& path, const DesignFile& design) {
   detail::AtomicFile file(path);
   file.write(text);
   file.commit();
-}
-
-std::string detail::number_text(double value) {
-  if (std::isnan(value)) return "nan";
-  if (std::isinf(value)) return value > 0 ? "infinity" : "-infinity";
-  char buffer[32];
-  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
-  return {buffer, end};
-}
-
-const char* name(DesignGuidance::Source source) {
-  switch (source) {
-    case DesignGuidance::Source::none:
-      return "none";
-    case DesignGuidance::Source::zero:
-      return "zero";
-    case DesignGuidance::Source::smoothest:
-      return "smoothest";
-    case DesignGuidance::Source::curvature:
-      return "curvature";
-    case DesignGuidance::Source::least_curvature:
-      return "least-curvature";
-    case DesignGuidance::Source::file:
-      return "file";
-  }
-  return "none";
-}
-
-const char* name(SingularityKind kind) {
-  switch (kind) {
-    case SingularityKind::source:
-      return "source";
-    case SingularityKind::sink:
-      return "sink";
-    case SingularityKind::vortex:
-      return "vortex";
-    case SingularityKind::spiral:
-      return "spiral";
-    case SingularityKind::saddle:
-      return "saddle";
-    case SingularityKind::wedge:
-      return "wedge";
-    case SingularityKind::trisector:
-      return "trisector";
-  }
-  return "source";
 }
 
 }  // namespace alcap

@@ -5,11 +5,11 @@
 #include "alcap/designer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <string>
 #include <utility>
 
+#include "src/base/clock.h"
 #include "src/design/variational/state.h"
 
 namespace alcap {
@@ -47,14 +47,14 @@ void Designer::State::make_live(Prepared& p) {
 }
 
 Designer::Designer(const ConnectedSurface& surface, const DesignerOptions& options)
-    : state_(std::make_unique<State>(surface, options)) {}
+    : state_(controlled(options.control, [&] { return std::make_unique<State>(surface, options); })) {}
 Designer::~Designer() = default;
 Designer::Designer(Designer&&) noexcept = default;
 Designer& Designer::operator=(Designer&&) noexcept = default;
 
 ControlId Designer::add(Control control) {
   State& s = *state_;
-  ControlLoad load = std::visit(s.loads, control);
+  ControlLoad load = controlled(s.options.control, [&] { return std::visit(s.loads, control); });
   const ControlId id{s.next_id++};
   s.touched(load);
   s.prepared.emplace(id, Prepared{.load = std::move(load)});
@@ -65,9 +65,9 @@ ControlId Designer::add(Control control) {
 void Designer::set(ControlId id, Control control) {
   State& s = *state_;
   const auto at = s.prepared.find(id);
-  if (at == s.prepared.end()) throw OptionError("id", std::to_string(static_cast<int>(id)), "there is no such control");
+  if (at == s.prepared.end()) throw OptionError("id", static_cast<int>(id), "there is no such control");
   Prepared& p = at->second;
-  ControlLoad load = std::visit(s.loads, control);
+  ControlLoad load = controlled(s.options.control, [&] { return std::visit(s.loads, control); });
   // Rows that stay the same keep their solved columns: turning a pinned saddle costs a right-hand side.
   const auto same = [](const ControlRow& a, const ControlRow& b) {
     return a.vertex == b.vertex && a.coefficient == b.coefficient;
@@ -88,7 +88,7 @@ void Designer::set(ControlId id, Control control) {
 void Designer::remove(ControlId id) {
   State& s = *state_;
   const auto at = s.prepared.find(id);
-  if (at == s.prepared.end()) throw OptionError("id", std::to_string(static_cast<int>(id)), "there is no such control");
+  if (at == s.prepared.end()) throw OptionError("id", static_cast<int>(id), "there is no such control");
   s.soft_changed |= at->second.load.soft();
   if (at->second.load.face != none && at->second.live_since == 0) s.common.resize(0, 0);
   s.prepared.erase(at);
@@ -103,17 +103,21 @@ void Designer::set_guidance(const ComplexVectorX<double>& u0) {
   if (u0.size() != s.mesh.vertices())
     throw OptionError("u0", std::to_string(u0.size()) + " values", "needs one per vertex");
   if (!u0.allFinite()) throw OptionError("u0", "not finite", "every value must be finite");
-  s.u0 = u0;
-  s.make_guidance();
+  controlled(s.options.control, [&] {
+    s.u0 = u0;
+    s.make_guidance();
+  });
 }
 
 void Designer::set_guidance_weight(double weight) {
   State& s = *state_;
   State::check_guidance_weight(weight);
   if (!(weight > 0) && s.u0.size() > 0) throw OptionError("guidance_weight", "0", "a guidance field needs a weight");
-  s.reweight([&] {
-    s.options.guidance_weight = weight;
-    s.options.t.reset();
+  controlled(s.options.control, [&] {
+    s.reweight([&] {
+      s.options.guidance_weight = weight;
+      s.options.t.reset();
+    });
   });
 }
 
@@ -123,34 +127,37 @@ void Designer::set_guidance_weights(const VectorX<double>& weights) {
     throw OptionError("weights", std::to_string(weights.size()) + " values", "needs one per vertex");
   for (Index v = 0; v < s.mesh.vertices(); ++v)
     if (!(weights[v] >= 0) || !std::isfinite(weights[v]))
-      throw OptionError("weights", std::to_string(weights[v]),
-                        "of vertex " + std::to_string(v) + " must be finite and not negative");
+      throw OptionError("weights", weights[v], "of vertex " + std::to_string(v) + " must be finite and not negative");
   if (!(weights.maxCoeff() > 0)) throw OptionError("weights", "all 0", "one at least must be positive");
-  if (s.options.t) throw OptionError("t", State::shown(*s.options.t), "weights per vertex go with guidance_weight");
-  s.reweight([&] {
-    s.weighted = s.M;
-    const VectorX<double> roots = weights.cwiseSqrt();
-    for (Index j = 0; j < s.weighted.outerSize(); ++j)
-      for (SparseMatrix<C>::InnerIterator it(s.weighted, j); it; ++it) it.valueRef() *= roots[it.row()] * roots[j];
+  if (s.options.t) throw OptionError("t", *s.options.t, "weights per vertex go with guidance_weight");
+  controlled(s.options.control, [&] {
+    s.reweight([&] {
+      s.weighted = s.M;
+      const VectorX<double> roots = weights.cwiseSqrt();
+      for (Index j = 0; j < s.weighted.outerSize(); ++j)
+        for (SparseMatrix<C>::InnerIterator it(s.weighted, j); it; ++it) it.valueRef() *= roots[it.row()] * roots[j];
+    });
   });
 }
 
 DesignResult Designer::solve() {
   State& s = *state_;
-  const auto start = std::chrono::steady_clock::now();
+  const detail::Stopwatch watch;
   if (s.controls.empty() && s.guidance.isZero(0))
     throw OptionError("controls", "none", "without targets, constraints, strokes or guidance the field is zero");
-  s.choose_folding();
-  s.factorise();
   DesignResult result;
-  result.field.n = s.options.n;
-  result.field.frames = s.frames;
-  s.solve_loads(result);
-  s.apply_rows(result);
-  result.solver = s.solver->name();
-  s.tell("analysis");
-  for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  controlled(s.options.control, [&] {
+    s.choose_folding();
+    s.factorise();
+    result.field.n = s.options.n;
+    result.field.frames = s.frames;
+    s.solve_loads(result);
+    s.apply_rows(result);
+    result.solver = s.solver->name();
+    s.tell("analysis");
+    for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));
+  });
+  result.seconds = watch.seconds();
   return result;
 }
 

@@ -22,8 +22,7 @@ constexpr double target_flux = 4;
 constexpr double stroke_scale = 40;
 
 void check_positive(const char* name, double value) {
-  if (!(value > 0) || !std::isfinite(value))
-    throw OptionError(name, std::to_string(value), "must be positive and finite");
+  if (!(value > 0) || !std::isfinite(value)) throw OptionError(name, value, "must be positive and finite");
 }
 
 ControlRow vertex_row(Index v, C target, double weight) {
@@ -37,21 +36,18 @@ ControlRow vertex_row(Index v, C target, double weight) {
 
 void check_surface_point(const Mesh& mesh, const SurfacePoint& p, const char* name) {
   if (p.face < 0 || p.face >= mesh.faces())
-    throw OptionError(name, std::to_string(p.face),
-                      "there is no such face; the mesh has " + std::to_string(mesh.faces()));
+    throw OptionError(name, p.face, "there is no such face; the mesh has " + std::to_string(mesh.faces()));
   const double sum = p.barycentric[0] + p.barycentric[1] + p.barycentric[2];
   for (const double b : p.barycentric)
     if (!(b >= -1e-9) || !(std::abs(sum - 1) <= 1e-6))
-      throw OptionError(name, std::to_string(b), "barycentric coordinates are not negative and sum to 1");
+      throw OptionError(name, b, "barycentric coordinates are not negative and sum to 1");
 }
 
 void check_target(const Mesh& mesh, const SingularityTarget& target) {
   check_surface_point(mesh, {target.face, target.pin.value_or(std::array<double, 3>{1, 0, 0})}, "face");
-  if (target.sign != 1 && target.sign != -1)
-    throw OptionError("sign", std::to_string(target.sign), "a target has index +1/n or -1/n");
+  if (target.sign != 1 && target.sign != -1) throw OptionError("sign", target.sign, "a target has index +1/n or -1/n");
   check_positive("strength", target.strength);
-  if (!std::isfinite(target.orientation))
-    throw OptionError("orientation", std::to_string(target.orientation), "must be finite");
+  if (!std::isfinite(target.orientation)) throw OptionError("orientation", target.orientation, "must be finite");
 }
 
 ControlRow ControlLoads::point_row(const SurfacePoint& p) const {
@@ -87,7 +83,7 @@ ControlLoad ControlLoads::operator()(const SingularityTarget& target) const {
 ControlLoad ControlLoads::operator()(const VertexConstraint& constraint) const {
   const Index v = constraint.vertex;
   if (v < 0 || v >= mesh.vertices() || !mesh.referenced(v))
-    throw OptionError("vertex", std::to_string(v), "must be a vertex that a face uses");
+    throw OptionError("vertex", v, "must be a vertex that a face uses");
   if (!std::isfinite(constraint.value.real()) || !std::isfinite(constraint.value.imag()))
     throw OptionError("value", "not finite", "must be a finite complex number");
   if (constraint.direction_only && constraint.value == C(0)) throw OptionError("value", "0", "zero has no direction");
@@ -98,9 +94,9 @@ ControlLoad ControlLoads::operator()(const VertexConstraint& constraint) const {
 
 ControlLoad ControlLoads::operator()(const Stroke& stroke) const {
   if (!(stroke.radius >= 0) || !std::isfinite(stroke.radius))
-    throw OptionError("radius", std::to_string(stroke.radius), "must be finite and not negative");
+    throw OptionError("radius", stroke.radius, "must be finite and not negative");
   if (stroke.line.segments.empty()) {
-    if (stroke.radius > 0) throw OptionError("radius", std::to_string(stroke.radius), "goes with a line");
+    if (stroke.radius > 0) throw OptionError("radius", stroke.radius, "goes with a line");
     return along_points(stroke);
   }
   if (!stroke.points.empty())
@@ -207,7 +203,7 @@ ControlLoad ControlLoads::footprint(const Stroke& stroke) const {
     out.rows.push_back(vertex_row(at.vertex, at.direction, scale * area * hat / stroke.radius));
   }
   if (out.rows.empty())
-    throw OptionError("radius", std::to_string(stroke.radius), "is too small: no vertex is that close to the stroke");
+    throw OptionError("radius", stroke.radius, "is too small: no vertex is that close to the stroke");
   return out;
 }
 

@@ -16,6 +16,7 @@
 #include "alcap/connected_surface.h"
 #include "alcap/designer.h"
 #include "alcap/energies.h"
+#include "src/base/cancel.h"
 #include "src/design/variational/rows.h"
 
 namespace alcap {
@@ -80,6 +81,7 @@ struct Designer::State {
   State(const ConnectedSurface& surface_, const DesignerOptions& options_);
   void tell(std::string_view phase) const {
     if (options.progress) options.progress(phase);
+    detail::report_phase(phase);
   }
   void validate() const;
   static void check_guidance_weight(double weight);
@@ -113,6 +115,7 @@ struct Designer::State {
       make_matrix(folded);
       factorise();
     } catch (...) {
+      const detail::CarriedScope whole(nullptr);
       options = options_before;
       weighted = std::move(weighted_before);
       make_matrix(folded);
@@ -124,7 +127,6 @@ struct Designer::State {
   // Whether strokes are cheaper inside the matrix, and the matrix as it should then be.
   void choose_folding();
   void solve(const MatrixX<C>& B, MatrixX<C>& X, DesignResult& result) const;
-  [[nodiscard]] static std::string shown(double value);
 
   // A solve: solve.cpp.
   [[nodiscard]] bool is_update(const Prepared& p) const { return !p.load.rows.empty() && !(p.load.soft() && folded); }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/design/variational/state.h"
 
@@ -20,13 +21,6 @@ constexpr double parallel = 1e-6;
 constexpr Eigen::Index columns_at_once = 16;
 
 }  // namespace
-
-std::string Designer::State::shown(double value) {
-  std::string text = std::to_string(value);
-  while (text.back() == '0') text.pop_back();
-  if (text.back() == '.') text.pop_back();
-  return text;
-}
 
 Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& options_)
     : surface(surface_),
@@ -58,19 +52,17 @@ Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& 
 }
 
 void Designer::State::validate() const {
-  if (options.n < 1) throw OptionError("n", std::to_string(options.n), "the degree of a field is at least 1");
+  if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
   check_guidance_weight(options.guidance_weight);
-  if (options.t && !std::isfinite(*options.t)) throw OptionError("t", std::to_string(*options.t), "must be finite");
-  if (options.t && options.guidance_weight > 0)
-    throw OptionError("t", shown(*options.t), "give either t or guidance_weight");
-  if (!(options.s >= -1 && options.s <= 1)) throw OptionError("s", std::to_string(options.s), "must be in [-1, 1]");
-  if (options.largest_rank < 0)
-    throw OptionError("largest_rank", std::to_string(options.largest_rank), "must not be negative");
+  if (options.t && !std::isfinite(*options.t)) throw OptionError("t", *options.t, "must be finite");
+  if (options.t && options.guidance_weight > 0) throw OptionError("t", *options.t, "give either t or guidance_weight");
+  if (!(options.s >= -1 && options.s <= 1)) throw OptionError("s", options.s, "must be in [-1, 1]");
+  if (options.largest_rank < 0) throw OptionError("largest_rank", options.largest_rank, "must not be negative");
 }
 
 void Designer::State::check_guidance_weight(double weight) {
   if (!(weight >= 0) || !std::isfinite(weight))
-    throw OptionError("guidance_weight", std::to_string(weight), "must be finite and not negative");
+    throw OptionError("guidance_weight", weight, "must be finite and not negative");
 }
 
 void Designer::State::check_t() const {
@@ -87,11 +79,12 @@ void Designer::State::check_t() const {
   const EigenResult smallest = smallest_eigenpair(S, mass, geometry.total_area(), {.tolerance = 1e-6});
   const double limit = 2 * smallest.report.lambda / unit();
   if (!(*options.t < limit * (1 - 1e-6)))
-    throw OptionError("t", shown(*options.t),
-                      "must be below lambda_1, which is " + shown(limit) + " here in the same units");
+    throw OptionError("t", *options.t,
+                      "must be below lambda_1, which is " + detail::rounded_text(limit) + " here in the same units");
 }
 
 void Designer::State::make_matrix(bool fold) {
+  const detail::CarriedScope whole(nullptr);  // a matrix that is half of the old and half of the new is no use
   const double w = mass_weight();
   const SparseMatrix<C>& m = mass();
   if (A.rows() == 0) A = S2;
@@ -123,7 +116,7 @@ void Designer::State::forget() {
 void Designer::State::factorise() {
   if (!stale) return;
   tell("factorise");
-  const OptionError singular("guidance_weight", shown(options.guidance_weight),
+  const OptionError singular("guidance_weight", options.guidance_weight,
                              "the design's system is singular: this connection has parallel fields (flat or "
                              "trivial), so targets alone do not determine one; give a guidance weight");
   bool parallel_fields = false;
@@ -153,6 +146,7 @@ bool Designer::State::is_singular() const {
 }
 
 void Designer::State::make_guidance() {
+  const detail::CarriedScope whole(nullptr);
   common.resize(0, 0);
   if (u0.size() == 0) return;
   hermitian_product(mass(), u0.data(), guidance.data());

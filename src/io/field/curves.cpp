@@ -5,6 +5,8 @@
 #include <array>
 
 #include "alcap/output.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/io/field/polydata.h"
 
 namespace alcap {
@@ -14,18 +16,14 @@ using detail::append_text;
 using detail::AtomicFile;
 using detail::write_rows;
 
-constexpr std::array end_names{"seed", "boundary", "singularity", "loop", "length", "separation", "stuck"};
-
-const char* name(CurveEnd end) { return end_names[static_cast<std::size_t>(end)]; }
-
-std::int64_t first(const CurveSet& curves, std::int64_t k) { return curves.offsets[static_cast<std::size_t>(k)]; }
+std::int64_t first(const CurveSet& curves, std::int64_t k) { return curves.offsets[detail::at(k)]; }
 
 void write_vtp(AtomicFile& file, const CurveSet& curves, int n) {
   using namespace detail::polydata;
   const std::int64_t points = curves.points.rows(), count = curves.size();
   const auto reason = [&](std::string title, const std::vector<CurveEnd>& ends) {
     return array<std::int32_t, 1>(std::move(title), count, [&ends](std::int64_t k, std::int32_t* x) {
-      x[0] = static_cast<std::int32_t>(ends[static_cast<std::size_t>(k)]);
+      x[0] = static_cast<std::int32_t>(ends[detail::at(k)]);
     });
   };
   const auto vectors = [&](std::string title, const Positions<double>& rows) {
@@ -33,12 +31,11 @@ void write_vtp(AtomicFile& file, const CurveSet& curves, int n) {
                             [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
   };
   const Section cells{"CellData", "", {reason("start", curves.start_reason), reason("end", curves.end_reason)}};
-  const Section data{
-      "PointData",
-      "",
-      {array<std::int32_t, 1>(
-           "face", points, [&](std::int64_t i, std::int32_t* x) { x[0] = curves.faces[static_cast<std::size_t>(i)]; }),
-       vectors("barycentric", curves.barycentric)}};
+  const Section data{"PointData",
+                     "",
+                     {array<std::int32_t, 1>(
+                          "face", points, [&](std::int64_t i, std::int32_t* x) { x[0] = curves.faces[detail::at(i)]; }),
+                      vectors("barycentric", curves.barycentric)}};
   const Section places{"Points", "", {vectors("Points", curves.points)}};
   const Section lines{
       "Lines",
@@ -92,10 +89,10 @@ void write_json(AtomicFile& file, const CurveSet& curves, int n) {
         text += ']';
       };
     };
-    text += std::string("{\"start\": \"") + name(curves.start_reason[static_cast<std::size_t>(k)]) + "\", \"end\": \"" +
-            name(curves.end_reason[static_cast<std::size_t>(k)]) + '"';
+    text.append("{\"start\": \"").append(name(curves.start_reason[detail::at(k)]));
+    text.append("\", \"end\": \"").append(name(curves.end_reason[detail::at(k)])).append("\"");
     list("points", rows(curves.points));
-    list("faces", [&](std::int64_t i) { append_text(text, curves.faces[static_cast<std::size_t>(i)]); });
+    list("faces", [&](std::int64_t i) { append_text(text, curves.faces[detail::at(i)]); });
     list("barycentric", rows(curves.barycentric));
     text += k + 1 < curves.size() ? "},\n" : "}\n";
   });
@@ -121,7 +118,7 @@ std::vector<std::string> curve_formats() {
   return out;
 }
 
-void write_curves(const CurveSet& curves, int n, const std::filesystem::path& file) {
+void write_curves(const CurveSet& curves, int n, const std::filesystem::path& file, const RunControl& control) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
@@ -130,9 +127,12 @@ void write_curves(const CurveSet& curves, int n, const std::filesystem::path& fi
     const std::string own = std::string(".") + f.extension;
     known += (known.empty() ? "" : ", ") + own;
     if (extension != own) continue;
-    AtomicFile out(file);
-    f.write(out, curves, n);
-    out.commit();
+    controlled(control, [&] {
+      detail::report_phase("write");
+      AtomicFile out(file);
+      f.write(out, curves, n);
+      out.commit();
+    });
     return;
   }
   throw FileError(file.string() + ": the extension names no format for curves; use one of " + known, file.string());

@@ -56,7 +56,4 @@ extern const OutputFormat rosy_format;
 extern const OutputFormat ply_field_format;
 extern const OutputFormat vtp_format;
 
-/// "polar", "local", "global", "trivial".
-[[nodiscard]] std::string_view connection_name(ConnectionKind kind);
-
 }  // namespace alcap::detail

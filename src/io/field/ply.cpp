@@ -19,7 +19,7 @@ std::string header(const FieldOutput& out) {
   text += "comment all of it is zero at vertices that no face uses\n";
   text += "obj_info alcap_field 1\n";
   text += "obj_info n " + std::to_string(out.field.n) + "\n";
-  text += "obj_info connection " + std::string(connection_name(out.surface.connection().kind)) + "\n";
+  text += "obj_info connection " + std::string(name(out.surface.connection().kind)) + "\n";
   text += "element vertex " + std::to_string(out.surface.mesh().vertices()) + "\n";
   for (const char* name :
        {"x", "y", "z", "nx", "ny", "nz", "axis_x", "axis_y", "axis_z", "u_re", "u_im", "d_x", "d_y", "d_z"}) {

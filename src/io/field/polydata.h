@@ -17,7 +17,7 @@ namespace alcap::detail {
 namespace polydata {
 
 // One DataArray: its declaration, and how to write the bytes of the rows [begin, end).
-struct Array {
+struct DataArray {
   std::string name;
   std::string_view type;  // "Float64", "Int32", "Int64", "UInt8"
   int components;
@@ -38,7 +38,7 @@ constexpr std::string_view type_name() {
 
 // An array whose row i is what row(i, numbers) puts into its `components` numbers.
 template <class Number, int components, class Row>
-Array array(std::string name, std::int64_t rows, Row row) {
+DataArray array(std::string name, std::int64_t rows, Row row) {
   const auto fill = [row](std::int64_t begin, std::int64_t end, char* to) {
     for (std::int64_t i = begin; i < end; ++i) {
       Number numbers[components];
@@ -53,7 +53,7 @@ Array array(std::string name, std::int64_t rows, Row row) {
 struct Section {
   std::string_view tag;
   std::string_view attributes;
-  std::vector<Array> arrays;
+  std::vector<DataArray> arrays;
 };
 
 inline std::string escaped(std::string_view text) {
@@ -82,7 +82,7 @@ inline std::string escaped(std::string_view text) {
 // Declarations with the offsets at which the data will be.
 inline std::string declare(const Section& section, std::int64_t& offset) {
   std::string text = "      <" + std::string(section.tag) + std::string(section.attributes) + ">\n";
-  for (const Array& a : section.arrays) {
+  for (const DataArray& a : section.arrays) {
     text += "        <DataArray type=\"" + std::string(a.type) + "\" Name=\"" + escaped(a.name) +
             "\" NumberOfComponents=\"" + std::to_string(a.components) + "\" format=\"appended\" offset=\"" +
             std::to_string(offset) + "\"/>\n";
@@ -102,7 +102,7 @@ inline void write_polydata(AtomicFile& file, int n, std::string_view counts, con
   text += "    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n_";
   file.write(text);
   for (const Section& section : sections) {
-    for (const Array& a : section.arrays) {
+    for (const DataArray& a : section.arrays) {
       std::array<char, sizeof(std::uint64_t)> length;
       put_binary(length.data(), static_cast<std::uint64_t>(a.bytes()));
       file.write({length.data(), length.size()});

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <vector>
 
+#include "src/base/array.h"
 #include "src/field/branches.h"
 #include "src/io/field/format.h"
 #include "src/io/field/rows.h"
@@ -44,7 +45,7 @@ void write_raw(AtomicFile& file, const Field& field) {
   const Branches branches(n);
   file.write(std::to_string(n) + " " + std::to_string(field.u.size()) + "\n");
   // One more entry, for what put_opposite() copies too much.
-  const std::size_t most = (3 * static_cast<std::size_t>(n) + 1) * longest_entry;
+  const std::size_t most = (3 * at(n) + 1) * longest_entry;
   write_ranges(file, field.u.size(), most, [&](std::int64_t begin, std::int64_t end, char* to) {
     std::vector<std::size_t> lengths;
     for (std::int64_t i = begin; i < end; ++i) {
@@ -57,7 +58,7 @@ void write_raw(AtomicFile& file, const Field& field) {
           const char* const start = to;
           to = put_text(to, d[c]);
           *to++ = ' ';
-          lengths.push_back(static_cast<std::size_t>(to - start));
+          lengths.push_back(at(to - start));
         }
       }
       if (branches.independent() < n) {

@@ -40,10 +40,7 @@ int read_number(const Source& source, std::string_view text, std::string_view ke
 }
 
 ConnectionKind read_connection(const Source& source, std::string_view text) {
-  for (const auto kind :
-       {ConnectionKind::polar, ConnectionKind::local, ConnectionKind::global, ConnectionKind::trivial}) {
-    if (text == connection_name(kind)) return kind;
-  }
+  if (const auto kind = from_name<ConnectionKind>(text)) return *kind;
   fail_at(source, text.data(), "obj_info connection is " + quoted(text) + ", not polar, local, global or trivial");
 }
 
@@ -116,9 +113,11 @@ FieldFile read(const Source& source, const std::filesystem::path& file) {
 }  // namespace
 }  // namespace detail
 
-FieldFile read_field(const std::filesystem::path& file) {
-  const detail::MappedFile mapped(file);
-  return detail::read({file.string(), mapped.bytes()}, file);
+FieldFile read_field(const std::filesystem::path& file, const RunControl& control) {
+  return controlled(control, [&] {
+    const detail::MappedFile mapped(file);
+    return detail::read({file.string(), mapped.bytes()}, file);
+  });
 }
 
 }  // namespace alcap

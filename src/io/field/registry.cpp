@@ -7,6 +7,8 @@
 #include <set>
 
 #include "alcap/output.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/base/parallel.h"
 #include "src/io/field/format.h"
 
@@ -77,7 +79,7 @@ void check_finite(const FieldOutput& out) {
 
 void check(const FieldOutput& out) {
   const Index vertices = out.surface.mesh().vertices(), faces = out.surface.mesh().faces();
-  if (out.field.n < 1) throw OptionError("field.n", std::to_string(out.field.n), "must be at least 1");
+  if (out.field.n < 1) throw OptionError("field.n", out.field.n, "must be at least 1");
   (void)out.surface.positions();  // throws where there are none
   check_size("field.u", out.field.u.size(), vertices);
   if (!out.field.frames) throw OptionError("field.frames", "none", "vectors in space need frames: see vertex_frames()");
@@ -112,37 +114,20 @@ WrittenFiles open_files(const std::vector<std::filesystem::path>& paths) {
   return files;
 }
 
-std::string_view connection_name(ConnectionKind kind) {
-  switch (kind) {
-    case ConnectionKind::polar:
-      return "polar";
-    case ConnectionKind::local:
-      return "local";
-    case ConnectionKind::global:
-      return "global";
-    case ConnectionKind::trivial:
-      return "trivial";
-  }
-  return "";
-}
-
 }  // namespace detail
 
-std::vector<std::filesystem::path> write_field(const FieldOutput& output,
-                                               std::span<const std::filesystem::path> files) {
-  bool with_faces = false;
-  for (const auto& file : files)
-    with_faces |= detail::choose_format(file).uses_faces;  // throws before anything is done
-  detail::check(output);
-  const detail::FieldJob job(output, with_faces);
-  // Files are written side by side: while the system takes the bytes of one, another one's numbers are formatted. An
-  // exception must not reach the loop, which would end the loops inside the other writers early.
+namespace {
+
+// Files are written side by side: while the system takes the bytes of one, another one's numbers are formatted. The
+// error of the first file in order counts, whichever came first.
+std::vector<detail::WrittenFiles> write_side_by_side(const detail::FieldJob& job,
+                                                     std::span<const std::filesystem::path> files) {
   std::vector<detail::WrittenFiles> written(files.size());
   std::vector<std::exception_ptr> errors(files.size());
   parallel_for(
       static_cast<std::int64_t>(files.size()),
       [&](std::int64_t i) {
-        const auto k = static_cast<std::size_t>(i);
+        const std::size_t k = detail::at(i);
         try {
           const detail::OutputFormat& format = detail::choose_format(files[k]);
           const std::string name = files[k].filename().string();
@@ -156,17 +141,34 @@ std::vector<std::filesystem::path> write_field(const FieldOutput& output,
       1);
   for (const std::exception_ptr& error : errors)
     if (error) std::rethrow_exception(error);
-  std::vector<std::filesystem::path> paths;
-  for (const detail::WrittenFiles& group : written)
-    for (const auto& file : group) {
-      file->commit();
-      paths.push_back(file->target());
-    }
-  return paths;
+  return written;
 }
 
-std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file) {
-  return write_field(output, std::span(&file, 1));
+}  // namespace
+
+std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::span<const std::filesystem::path> files,
+                                               const RunControl& control) {
+  bool with_faces = false;
+  for (const auto& file : files)
+    with_faces |= detail::choose_format(file).uses_faces;  // throws before anything is done
+  return controlled(control, [&] {
+    detail::report_phase("write");
+    detail::check(output);
+    const detail::FieldJob job(output, with_faces);
+    const std::vector<detail::WrittenFiles> written = write_side_by_side(job, files);
+    std::vector<std::filesystem::path> paths;
+    for (const detail::WrittenFiles& group : written)
+      for (const auto& file : group) {
+        file->commit();
+        paths.push_back(file->target());
+      }
+    return paths;
+  });
+}
+
+std::vector<std::filesystem::path> write_field(const FieldOutput& output, const std::filesystem::path& file,
+                                               const RunControl& control) {
+  return write_field(output, std::span(&file, 1), control);
 }
 
 std::vector<std::string> field_formats() {

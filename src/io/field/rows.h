@@ -5,27 +5,19 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
-#include <memory>
 #include <string>
 #include <type_traits>
 #include <vector>
 
+#include "src/base/array.h"
 #include "src/base/atomic_file.h"
 #include "src/base/bytes.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
-#include "src/base/shortest.h"
 
 namespace alcap::detail {
-
-/// Writes the shortest decimal number that reads back as the same value; returns its end.
-template <class Number>
-char* put_text(char* to, Number value) {
-  if constexpr (std::is_same_v<Number, double>) return put_shortest(to, value);
-  return std::to_chars(to, to + longest_number, value).ptr;
-}
 
 /// Writes the bytes of a number, least significant first; returns their end.
 template <class Number>
@@ -35,12 +27,6 @@ char* put_binary(char* to, Number value) {
   return to + raw.size();
 }
 
-template <class Number>
-void append_text(std::string& text, Number value) {
-  std::array<char, longest_number> digits;
-  text.append(digits.data(), put_text(digits.data(), value));
-}
-
 /// Appends the rows [0, rows) to the file: rows_to(begin, end, to) writes rows at `to`, at most `most` bytes each, and
 /// returns the end of what it wrote, or nothing if that is always `most`. Called on several threads.
 template <class Rows>
@@ -48,10 +34,10 @@ void write_ranges(AtomicFile& file, std::int64_t rows, std::size_t most, Rows&& 
   constexpr std::size_t chunk_bytes = std::size_t{1} << 17;  // of one task: it outweighs its start and fits a cache
   constexpr std::int64_t batch = 16;                         // chunks held in memory
   const std::int64_t chunk = std::max<std::int64_t>(1, static_cast<std::int64_t>(chunk_bytes / most));
-  const std::size_t room = static_cast<std::size_t>(chunk) * most;
+  const std::size_t room = at(chunk) * most;
   const std::int64_t all = (rows + chunk - 1) / chunk;
-  const auto bytes = std::make_unique_for_overwrite<char[]>(static_cast<std::size_t>(std::min(all, batch)) * room);
-  const auto start = [&](std::int64_t c) { return bytes.get() + static_cast<std::size_t>(c) * room; };
+  Array<char> bytes(std::min(all, batch) * static_cast<std::int64_t>(room));
+  const auto start = [&](std::int64_t c) { return bytes.data() + at(c) * room; };
   std::array<char*, batch> stop = {};
   for (std::int64_t first = 0; first < all; first += batch) {
     const std::int64_t chunks = std::min(batch, all - first);
@@ -59,16 +45,16 @@ void write_ranges(AtomicFile& file, std::int64_t rows, std::size_t most, Rows&& 
         chunks,
         [&](std::int64_t c) {
           const std::int64_t begin = (first + c) * chunk, end = std::min(rows, begin + chunk);
-          char*& to = stop[static_cast<std::size_t>(c)];
+          char*& to = stop[at(c)];
           if constexpr (std::is_void_v<decltype(rows_to(begin, end, start(c)))>) {
             rows_to(begin, end, start(c));
-            to = start(c) + static_cast<std::size_t>(end - begin) * most;
+            to = start(c) + at(end - begin) * most;
           } else {
             to = rows_to(begin, end, start(c));
           }
         },
         1);
-    for (std::int64_t c = 0; c < chunks; ++c) file.write({start(c), stop[static_cast<std::size_t>(c)]});
+    for (std::int64_t c = 0; c < chunks; ++c) file.write({start(c), stop[at(c)]});
   }
 }
 
@@ -92,13 +78,13 @@ void write_rows(AtomicFile& file, std::int64_t rows, Row&& row) {
     parallel_for(
         chunks,
         [&](std::int64_t c) {
-          std::string& out = bytes[static_cast<std::size_t>(c)];
+          std::string& out = bytes[at(c)];
           out.clear();
           const std::int64_t begin = first + c * chunk;
           for (std::int64_t i = begin; i < std::min(rows, begin + chunk); ++i) row(i, out);
         },
         1);
-    for (std::int64_t c = 0; c < chunks; ++c) file.write(bytes[static_cast<std::size_t>(c)]);
+    for (std::int64_t c = 0; c < chunks; ++c) file.write(bytes[at(c)]);
   }
 }
 

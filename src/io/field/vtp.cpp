@@ -11,11 +11,11 @@ namespace {
 
 using namespace polydata;
 
-Array scalars(std::string name, std::int64_t rows, const double* values) {
+DataArray scalars(std::string name, std::int64_t rows, const double* values) {
   return array<double, 1>(std::move(name), rows, [values](std::int64_t i, double* x) { x[0] = values[i]; });
 }
 
-Array vectors(std::string name, const Positions<double>& rows) {
+DataArray vectors(std::string name, const Positions<double>& rows) {
   return array<double, 3>(std::move(name), rows.rows(),
                           [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
 }

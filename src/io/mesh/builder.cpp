@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "src/base/array.h"
 #include "src/io/mesh/triangulate.h"
 
 namespace alcap::detail {
@@ -14,14 +15,18 @@ namespace {
 constexpr std::int64_t most = std::numeric_limits<Index>::max();
 constexpr std::int64_t first_rows = 1024;  // doubled whenever they run out
 
-std::string counted(const char* what, std::int64_t number) {
+std::string numbered(const char* what, std::int64_t number) {
   return std::string(what) + " " + std::to_string(number) + " (counted from 0)";
 }
 
 }  // namespace
 
-std::string Builder::next_vertex() const { return counted("vertex", vertices_); }
-std::string Builder::next_face() const { return counted("face", faces_); }
+std::string Builder::next_vertex() const { return numbered("vertex", vertices_); }
+std::string Builder::next_face() const { return numbered("face", faces_); }
+
+void Builder::told(const char* where) const {
+  report_phase("read", static_cast<double>(where - source_.begin()) / static_cast<double>(source_.bytes.size()));
+}
 
 void Builder::grow_vertices() {
   if (vertices_ >= most) fail(source_, "more than 2147483647 vertices");
@@ -43,7 +48,7 @@ void Builder::ignore(std::string_view kind, std::int64_t count) {
 }
 
 void Builder::fail_index(std::int64_t v, std::int64_t face, const char* where) const {
-  std::string message = counted("face", face) + " names vertex " + std::to_string(v) + " (counted from 0), ";
+  std::string message = numbered("face", face) + " names vertex " + std::to_string(v) + " (counted from 0), ";
   message += v < 0 ? "which is before the first one" : "but there are " + std::to_string(vertices_) + " vertices";
   fail_at(source_, where, message + "; the file was cut or its indices are off");
 }
@@ -57,11 +62,12 @@ void Builder::polygon(std::span<const std::int64_t> corners, const char* where) 
             next_face() + " has " + std::to_string(corners.size()) +
                 " corners and polygons are refused; triangulate the mesh, or let the reader do it");
   }
+  tick(faces_, where);
   if (faces_ >= most) fail(source_, "more than 2147483647 faces");
   if (!polygonal()) {  // the first polygon: triangles so far become polygons of three corners
     corners_.assign(F_.data(), F_.data() + 3 * faces_);
-    for (std::int64_t f = 0; f < faces_; ++f) starts_.push_back(static_cast<std::size_t>(3 * f));
-    places_.assign(static_cast<std::size_t>(faces_), where);
+    for (std::int64_t f = 0; f < faces_; ++f) starts_.push_back(at(3 * f));
+    places_.assign(at(faces_), where);
     F_.resize(0, 3);
   }
   starts_.push_back(corners_.size());
@@ -72,24 +78,24 @@ void Builder::polygon(std::span<const std::int64_t> corners, const char* where) 
 
 void Builder::triangulate_all(MeshFile& mesh) const {
   const std::size_t triangles = corners_.size() - 2 * starts_.size();
-  if (triangles > static_cast<std::size_t>(most)) fail(source_, "more than 2147483647 triangles");
+  if (triangles > at(most)) fail(source_, "more than 2147483647 triangles");
   mesh.F.resize(static_cast<Eigen::Index>(triangles), 3);
   mesh.polygon_of.resize(triangles);
   std::vector<Index> local;
   std::size_t row = 0;
   for (std::size_t f = 0; f < starts_.size(); ++f) {
+    check_cancelled_at(static_cast<std::int64_t>(f));
     const std::size_t stop = f + 1 < starts_.size() ? starts_[f + 1] : corners_.size();
     const std::span<const Index> corners(corners_.data() + starts_[f], stop - starts_[f]);
     local.clear();
     if (!triangulate(mesh.V, corners, local)) {
       fail_at(source_, places_[f],
-              counted("face", static_cast<std::int64_t>(f)) + " has " + std::to_string(corners.size()) +
+              numbered("face", static_cast<std::int64_t>(f)) + " has " + std::to_string(corners.size()) +
                   " corners, is not convex, and is too large or crosses itself; triangulate it before");
     }
     for (std::size_t i = 0; i < local.size(); i += 3, ++row) {
       for (std::size_t c = 0; c < 3; ++c) {
-        mesh.F(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(c)) =
-            corners[static_cast<std::size_t>(local[i + c])];
+        mesh.F(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(c)) = corners[at(local[i + c])];
       }
       mesh.polygon_of[row] = static_cast<Index>(f);
     }

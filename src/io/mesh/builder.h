@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "alcap/mesh_io.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
 #include "src/io/mesh/source.h"
 
 namespace alcap::detail {
@@ -27,8 +29,9 @@ class Builder {
   void reserve_vertices(std::int64_t count) { V_.resize(count, 3); }
   void reserve_faces(std::int64_t count) { F_.resize(count, 3); }
 
-  /// Adds a vertex; `x` holds three finite coordinates.
-  void vertex(const double* x) {
+  /// Adds a vertex; `x` holds three finite coordinates, read at `where`.
+  void vertex(const double* x, const char* where) {
+    tick(vertices_, where);
     if (vertices_ == V_.rows()) grow_vertices();
     double* row = V_.data() + 3 * vertices_++;
     row[0] = x[0], row[1] = x[1], row[2] = x[2];
@@ -37,10 +40,16 @@ class Builder {
   /// Adds a face by zero-based vertex numbers; `where` is its place in the file. Faces may come before their vertices.
   void face(std::span<const std::int64_t> corners, const char* where) {
     if (corners.size() != 3 || polygonal()) return polygon(corners, where);
+    tick(faces_, where);
     if (faces_ == F_.rows()) grow_faces();
     Index* row = F_.data() + 3 * faces_;
-    for (int c = 0; c < 3; ++c) row[c] = checked(corners[static_cast<std::size_t>(c)], where);
+    for (int c = 0; c < 3; ++c) row[c] = checked(corners[at(c)], where);
     ++faces_;
+  }
+
+  /// Says how far the reader is, and asks whether to go on, every so many steps.
+  void tick(std::int64_t step, const char* where) const {
+    if (step % check_every == 0 && step > 0) told(where);
   }
 
   /// Counts something that is no surface.
@@ -63,6 +72,7 @@ class Builder {
     return static_cast<Index>(v);
   }
 
+  void told(const char* where) const;
   void grow_vertices();
   void grow_faces();
   void polygon(std::span<const std::int64_t> corners, const char* where);

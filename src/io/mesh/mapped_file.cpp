@@ -12,6 +12,7 @@
 #include <system_error>
 
 #include "alcap/errors.h"
+#include "src/base/array.h"
 
 namespace alcap::detail {
 namespace {
@@ -35,7 +36,7 @@ std::string read_all(int descriptor, const std::filesystem::path& path) {
     all.resize(size + block);
     const ssize_t got = ::read(descriptor, all.data() + size, block);
     const int error = errno;
-    all.resize(size + (got > 0 ? static_cast<std::size_t>(got) : 0));
+    all.resize(size + (got > 0 ? at(got) : 0));
     if (got == 0) return all;
     if (got < 0 && error != EINTR) fail_path(path, "reading failed (" + std::generic_category().message(error) + ")");
   }
@@ -59,7 +60,7 @@ MappedFile::MappedFile(const std::filesystem::path& path) {
   if (file.number < 0) {
     fail_path(path, "cannot be read (" + std::generic_category().message(errno) + "); check its permissions");
   }
-  const auto size = static_cast<std::size_t>(status.st_size);
+  const auto size = at(status.st_size);
   if (S_ISREG(status.st_mode) && size > 0) {
     void* mapped = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file.number, 0);
     if (mapped != MAP_FAILED) {

@@ -49,13 +49,14 @@ MeshFile read_obj(const Source& source, const ReadOptions& options) {
   Tokenizer in(source);
   Builder mesh(source, options);
   std::vector<std::int64_t> corners;
-  while (in.next_token()) {
+  for (std::int64_t statement = 0; in.next_token(); ++statement) {
     const char* const where = in.where();
+    mesh.tick(statement, where);
     const std::string_view word = in.word();
     if (word == "v") {
       double x[3];
       if (!in.real(x[0]) || !in.real(x[1]) || !in.real(x[2])) in.fail_number("coordinate of " + mesh.next_vertex());
-      mesh.vertex(x);
+      mesh.vertex(x, where);
       if (!in.at_line_end()) in.skip_statement();  // a weight or a colour
     } else if (word == "f") {
       read_face(in, mesh, corners);

@@ -2,6 +2,7 @@
 //
 // off.cpp: Object File Format of Geomview, text, three dimensions: OFF, COFF, NOFF, STOFF and their combinations. One
 // vertex and one face per line; what follows the three coordinates or the corners (colours, normals) is skipped.
+#include "src/base/array.h"
 #include "src/io/mesh/builder.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/tokenizer.h"
@@ -59,7 +60,7 @@ MeshFile read_off(const Source& source, const ReadOptions& options) {
     double x[3];
     in.next_token();
     if (!in.real(x[0]) || !in.real(x[1]) || !in.real(x[2])) in.fail_number("coordinate of " + mesh.next_vertex());
-    mesh.vertex(x);
+    mesh.vertex(x, in.where());
     in.skip_line();
   }
   std::vector<std::int64_t> corners;
@@ -70,7 +71,7 @@ MeshFile read_off(const Source& source, const ReadOptions& options) {
     if (!in.integer(count)) in.fail_number("number of corners of " + mesh.next_face());
     if (count < 0 || count > in.end() - in.where())
       fail_at(source, where, "a face of " + std::to_string(count) + " corners");
-    corners.resize(static_cast<std::size_t>(count));
+    corners.resize(at(count));
     for (auto& v : corners) {
       if (!in.integer(v)) in.fail_number("corner of " + mesh.next_face());
     }

@@ -76,7 +76,7 @@ class Reader {
         }
       }
       body_.end_of(element);
-      mesh_.vertex(x);
+      mesh_.vertex(x, body_.where());
     }
   }
 
@@ -120,6 +120,7 @@ class Reader {
       fail(source_, "the surface is stored as triangle strips, which are not read; save it with faces");
     }
     for (std::int64_t e = 0; e < element.count; ++e) {
+      mesh_.tick(e, body_.where());
       body_.begin();
       for (const auto& p : element.properties) skip(p, element);
       body_.end_of(element);

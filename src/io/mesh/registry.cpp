@@ -3,9 +3,11 @@
 // registry.cpp: the table of mesh formats, and the choice of one by name, content or extension. A new format is one
 // file that defines a Format, and one line here.
 #include <array>
-#include <charconv>
 
 #include "alcap/mesh_io.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
+#include "src/base/numbers.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/mapped_file.h"
 
@@ -85,6 +87,7 @@ void check(const Positions<double>& V, const Faces& F) {
     throw MeshError("a mesh without vertices or faces is not written: readers refuse it", Defect::empty, what, 0, {});
   }
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
+    check_cancelled_at(t);
     if (F.row(t).minCoeff() < 0 || F.row(t).maxCoeff() >= V.rows()) {
       throw MeshError(
           "not written: face " + std::to_string(t) + " names a vertex outside 0 ... " + std::to_string(V.rows() - 1),
@@ -92,6 +95,7 @@ void check(const Positions<double>& V, const Faces& F) {
     }
   }
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
+    check_cancelled_at(v);
     if (!V.row(v).allFinite()) {
       throw MeshError("not written: vertex " + std::to_string(v) + " is not finite", Defect::not_finite,
                       Element::vertex, 1, {static_cast<Index>(v)});
@@ -99,41 +103,50 @@ void check(const Positions<double>& V, const Faces& F) {
   }
 }
 
-template <class T>
-void write_shortest(AtomicFile& file, T value) {
-  std::array<char, 32> text;
-  const auto [stop, error] = std::to_chars(text.data(), text.data() + text.size(), value);
-  static_cast<void>(error);  // 32 characters hold every double and every 64-bit integer
-  file.write({text.data(), static_cast<std::size_t>(stop - text.data())});
+template <class Number>
+void write_text(AtomicFile& file, Number value) {
+  std::array<char, longest_number> text;
+  const char* const end = put_text(text.data(), value);
+  file.write({text.data(), at(end - text.data())});
 }
 
 }  // namespace
 
-void write_number(AtomicFile& file, double value) { write_shortest(file, value); }
-void write_number(AtomicFile& file, std::int64_t value) { write_shortest(file, value); }
+void write_number(AtomicFile& file, double value) { write_text(file, value); }
+void write_number(AtomicFile& file, std::int64_t value) { write_text(file, value); }
 
 }  // namespace detail
 
 MeshFile read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
-  const detail::MappedFile file(path);
-  return detail::read({path.string(), file.bytes()}, options, detail::extension(path));
+  return controlled(options.control, [&] {
+    detail::report_phase("read");
+    const detail::MappedFile file(path);
+    return detail::read({path.string(), file.bytes()}, options, detail::extension(path));
+  });
 }
 
 MeshFile read_mesh_from_memory(std::string_view bytes, std::string_view format, const ReadOptions& options) {
   ReadOptions named = options;
   if (!format.empty()) named.format = format;
-  return detail::read({"<memory>", bytes}, named, "");
+  return controlled(options.control, [&] {
+    detail::report_phase("read");
+    return detail::read({"<memory>", bytes}, named, "");
+  });
 }
 
-void write_mesh(const std::filesystem::path& path, const Positions<double>& V, const Faces& F) {
+void write_mesh(const std::filesystem::path& path, const Positions<double>& V, const Faces& F,
+                const RunControl& control) {
   const detail::Format* format = detail::by_name(detail::extension(path));
   if (format == nullptr || format->write == nullptr) {
     throw FileError(path.string() + ": the extension must be .off, .obj or .ply to write a mesh", path.string());
   }
-  detail::check(V, F);
-  detail::AtomicFile file(path);
-  format->write(file, V, F);
-  file.commit();
+  controlled(control, [&] {
+    detail::report_phase("write");
+    detail::check(V, F);
+    detail::AtomicFile file(path);
+    format->write(file, V, F);
+    file.commit();
+  });
 }
 
 std::vector<std::string> mesh_formats() {

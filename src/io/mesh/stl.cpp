@@ -52,7 +52,7 @@ class Facets {
     for (std::size_t c = 0; c < 3; ++c) {
       bool is_new = false;
       corners[c] = welder_.number(&x[3 * c], hashes[c], is_new);
-      if (is_new) mesh_.vertex(&x[3 * c]);
+      if (is_new) mesh_.vertex(&x[3 * c], where);
     }
     mesh_.face(corners, where);
   }

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "src/base/array.h"
 #include "src/io/mesh/source.h"
 
 namespace alcap::detail {
@@ -72,7 +73,7 @@ class Tokenizer {
     if (at_line_end()) return {};
     const char* from = p_;
     while (!ends_token(p_)) ++p_;
-    return {from, static_cast<std::size_t>(p_ - from)};
+    return {from, at(p_ - from)};
   }
 
   /// A finite number that fills the next token of the line. On false nothing is consumed: fail_number() says why.

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#include "apps/alcap/report/flags.h"
+
+#include <array>
+#include <utility>
+
+namespace alcap::app {
+namespace {
+
+using Row = std::pair<std::string_view, std::string_view>;
+
+// What messages of the library name, and what does it on the command line.
+constexpr auto words = std::to_array<Row>({
+    {"Repair::weld", "--repair weld"},
+    {"Repair::orient", "--repair orient"},
+    {"repair_weld()", "--repair weld"},
+    {"repair_orientation()", "--repair orient"},
+    {"EigenOptions::solver", "--solver"},
+    {"EigenOptions::tolerance", "--tolerance"},
+    {"GlobalOptions::detail", "--detail"},
+    {"DesignRunOptions::solver", "--solver"},
+});
+
+// Fields that an OptionError names. The field "s" is --energy where fields are solved for, "name" that of a backend.
+constexpr auto fields = std::to_array<Row>({
+    {"n", "-n"},
+    {"s", "--energy"},
+    {"cones", "--cone"},
+    {"detail", "--detail"},
+    {"tolerance", "--tolerance"},
+    {"solver", "--solver"},
+    {"name", "--solver"},
+    {"format", "--input-format"},
+    {"threads", "--threads"},
+    {"jobs", "--jobs"},
+});
+
+}  // namespace
+
+std::string in_flags(std::string message) {
+  for (const auto& [word, flag] : words) {
+    for (std::size_t at = message.find(word); at != std::string::npos; at = message.find(word, at + flag.size())) {
+      message.replace(at, word.size(), flag);
+    }
+  }
+  return message;
+}
+
+std::string_view flag_of(std::string_view field) {
+  for (const auto& [name, flag] : fields) {
+    if (name == field) return flag;
+  }
+  return {};
+}
+
+}  // namespace alcap::app
