@@ -109,7 +109,7 @@ Transported transport(const ConnectedSurface& surface, const SurfacePolyline& pa
   const auto name = [](std::size_t k) { return "path.segments[" + std::to_string(k) + "]"; };
   for (std::size_t k = 0; k < segments.size(); ++k)
     if (segments[k].face < 0 || segments[k].face >= mesh.faces())
-      throw OptionError(name(k) + ".face", std::to_string(segments[k].face),
+      throw OptionError(name(k) + ".face", segments[k].face,
                         "there is no such face; the mesh has " + std::to_string(mesh.faces()));
   double turn = 0, turn_from_path = 0;
   for (std::size_t k = 0; k < segments.size(); ++k) {

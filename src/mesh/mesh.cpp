@@ -228,7 +228,7 @@ Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
 
 void Mesh::check_vertex(const char* name, Index v) const {
   if (v < 0 || v >= vertices())
-    throw OptionError(name, std::to_string(v), "there is no such vertex; the mesh has " + std::to_string(vertices()));
+    throw OptionError(name, v, "there is no such vertex; the mesh has " + std::to_string(vertices()));
 }
 
 Index Mesh::halfedge(Index i, Index j) const {

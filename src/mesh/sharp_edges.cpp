@@ -26,13 +26,13 @@ void check_space(const Surface& surface) {
 
 void check_angle(const char* name, double angle) {
   if (!(angle > 0 && angle <= pi<double>))
-    throw OptionError(name, std::to_string(angle), "an angle in radians, above 0 and at most pi");
+    throw OptionError(name, angle, "an angle in radians, above 0 and at most pi");
 }
 
 bool is_edge(const Surface& surface, Index e) { return e >= 0 && e < surface.mesh().edges(); }
 
 [[noreturn]] void refuse_edge(const Surface& surface, const std::string& name, Index e) {
-  throw OptionError(name, std::to_string(e),
+  throw OptionError(name, e,
                     "there is no such edge; the mesh has " + std::to_string(surface.mesh().edges()));
 }
 
