@@ -123,121 +123,177 @@ EigenStrokeReport judge(const std::vector<detail::StrokeSample>& samples, int n,
   return report;
 }
 
+/// The controls as rows of each component's pencil, and what is needed to judge them afterwards.
+class ControlledPencil {
+ public:
+  ControlledPencil(const ConnectedSurface& surface, const EigenControls& controls, const EigenDesignOptions& options)
+      : surface_(surface),
+        mesh_(surface.mesh()),
+        topology_(surface.topology()),
+        controls_(controls),
+        options_(options),
+        areas_(detail::areas_of_components(surface.geometry(), topology_)),
+        vertices_(detail::vertices_of_components(topology_)),
+        local_(static_cast<std::size_t>(mesh_.vertices()), none),
+        rows_(areas_.size()),
+        sizes_(areas_),
+        joint_(areas_.size()) {
+    for (const std::vector<Index>& piece : vertices_)
+      for (std::size_t k = 0; k < piece.size(); ++k) local_[static_cast<std::size_t>(piece[k])] = static_cast<Index>(k);
+    add_strokes();
+    add_means();
+    if (!controls.singularities.empty()) add_targets();
+    for (std::size_t c = 0; c < areas_.size(); ++c)
+      if (!joint_[c].vertex.empty()) rows_[c].along.push_back(std::move(joint_[c]));
+  }
+
+  /// The smallest eigenpair of every component, side by side.
+  void solve(const StiffnessMass& matrices, EigenDesignResult& result) const;
+  /// Of u and -u the one that goes with the singularities, or else with the strokes.
+  void choose_signs(ComplexVectorX<double>& u) const;
+  void judge_controls(EigenDesignResult& result) const;
+
+ private:
+  [[nodiscard]] std::size_t component(Index face) const {
+    return static_cast<std::size_t>(topology_.face_component[static_cast<std::size_t>(face)]);
+  }
+  [[nodiscard]] std::size_t component(const EigenStroke& stroke) const {
+    return component(stroke.line.segments.front().face);
+  }
+  void add_strokes();
+  void add_means();
+  void add_targets();
+
+  const ConnectedSurface& surface_;
+  const Mesh& mesh_;
+  const Topology& topology_;
+  const EigenControls& controls_;
+  const EigenDesignOptions& options_;
+  std::vector<double> areas_;
+  std::vector<std::vector<Index>> vertices_;  // of each component
+  std::vector<Index> local_;                  // number of each vertex in its component
+  std::vector<detail::DesignRows> rows_;
+  std::vector<double> sizes_;  // mass of a unit field, rows included
+  // One square over everything that has a sign, so that all of it takes the same one.
+  std::vector<detail::RealRow> joint_;
+  std::vector<std::vector<detail::StrokeSample>> samples_;
+  std::vector<TargetFlux> fluxes_;
+};
+
+void ControlledPencil::add_strokes() {
+  const Geometry& geometry = surface_.geometry();
+  const Connection& connection = surface_.connection();
+  for (std::size_t k = 0; k < controls_.strokes.size(); ++k) {
+    const EigenStroke& stroke = controls_.strokes[k];
+    const std::size_t c = component(stroke);
+    for (const SurfaceSegment& segment : stroke.line.segments)
+      if (component(segment.face) != c)
+        throw OptionError("strokes[" + std::to_string(k) + "].line", segment.face, "a stroke stays on one component");
+    const double weight = stroke.weight * stroke_scale * std::sqrt(areas_[c]);
+    append(rows_[c],
+           detail::stroke_rows(mesh_, geometry, connection, options_.n, stroke.line, options_.offset / areas_[c]),
+           weight, local_);
+    samples_.push_back(detail::samples_along(mesh_, geometry, connection, options_.n, stroke.line));
+    sizes_[c] += weight * stroke.line.length();
+  }
+}
+
+void ControlledPencil::add_means() {
+  for (std::size_t k = 0; k < controls_.strokes.size(); ++k) {
+    const EigenStroke& stroke = controls_.strokes[k];
+    const std::size_t c = component(stroke);
+    const double weight = mean_reward * stroke.weight * stroke_scale * std::sqrt(areas_[c]);
+    const double scale = std::sqrt(weight / stroke.line.length());
+    for (const detail::StrokeSample& sample : samples_[k])
+      for (std::size_t v = 0; v < 3; ++v)
+        joint_[c].add(local_[static_cast<std::size_t>(sample.vertex[v])],
+                      scale * sample.ds * std::conj(sample.coefficient[v]));
+    sizes_[c] += weight * stroke.line.length();
+  }
+}
+
+void ControlledPencil::add_targets() {
+  // Area integrals: those S is made of, so that a lone target is met exactly.
+  const FirstOrderOperators operators =
+      first_order_operators(surface_, {.n = options_.n, .kind = OperatorKind::triangle});
+  for (const SingularityTarget& target : controls_.singularities) {
+    const std::size_t c = component(target.face);
+    const TargetFlux& flux = fluxes_.emplace_back(mesh_, operators, options_.n, target);
+    const double area = surface_.geometry().area(target.face);
+    flux.add_real_part(joint_[c], target.strength * std::sqrt(target_reward * areas_[c] / area), 1, local_);
+    flux.add_real_part(rows_[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local_);
+    sizes_[c] += target.strength * target.strength * target_reward * areas_[c];
+  }
+}
+
+void ControlledPencil::solve(const StiffnessMass& matrices, EigenDesignResult& result) const {
+  result.components.resize(areas_.size());
+  const bool whole = areas_.size() == 1 && mesh_.referenced_vertices() == mesh_.vertices();
+  const auto solve_one = [&](std::size_t c, const SparseMatrix<C>& S, const SparseMatrix<C>& M) {
+    return rows_[c].along.empty() && options_.path == EigenPath::automatic
+               ? smallest_eigenpair(S, M, areas_[c], options_.eigen)
+               : detail::smallest_with_rows(S, M, rows_[c], sizes_[c], options_);
+  };
+  parallel_for(
+      static_cast<std::int64_t>(areas_.size()),
+      [&](std::int64_t i) {
+        const auto c = static_cast<std::size_t>(i);
+        EigenResult eigen = whole ? solve_one(c, matrices.S, matrices.M)
+                                  : solve_one(c, diagonal_block(matrices.S, vertices_[c], local_),
+                                              diagonal_block(matrices.M, vertices_[c], local_));
+        for (std::size_t k = 0; k < vertices_[c].size(); ++k)
+          result.field.u[vertices_[c][k]] = eigen.u[static_cast<Eigen::Index>(k)];
+        result.components[c] = std::move(eigen.report);
+      },
+      1);
+}
+
+void ControlledPencil::choose_signs(ComplexVectorX<double>& u) const {
+  std::vector<double> along(areas_.size(), 0.0), flux(areas_.size(), 0.0);
+  for (std::size_t k = 0; k < fluxes_.size(); ++k) {
+    const SingularityTarget& target = controls_.singularities[k];
+    flux[component(target.face)] += target.strength * fluxes_[k].at(u).real();
+  }
+  for (std::size_t k = 0; k < samples_.size(); ++k) {
+    const EigenStroke& stroke = controls_.strokes[k];
+    for (const detail::StrokeSample& sample : samples_[k])
+      along[component(stroke)] += stroke.weight * sample.ds * sample.at(u).real();
+  }
+  for (std::size_t c = 0; c < areas_.size(); ++c)
+    if (flux[c] != 0 ? flux[c] < 0 : along[c] < 0)
+      for (const Index v : vertices_[c]) u[v] = -u[v];
+}
+
+void ControlledPencil::judge_controls(EigenDesignResult& result) const {
+  const ComplexVectorX<double>& u = result.field.u;
+  for (std::size_t k = 0; k < samples_.size(); ++k)
+    result.strokes.push_back(judge(samples_[k], options_.n, areas_[component(controls_.strokes[k])], u));
+  if (fluxes_.empty()) return;
+  const std::vector<int> indices = face_indices(surface_, result.field);
+  for (std::size_t k = 0; k < fluxes_.size(); ++k) {
+    const SingularityTarget& target = controls_.singularities[k];
+    result.singularities.push_back(
+        judge(k, target, fluxes_[k], indices[static_cast<std::size_t>(target.face)], options_.n, u));
+  }
+}
+
 EigenDesignResult solved(const ConnectedSurface& surface, const EigenControls& controls,
                          const EigenDesignOptions& options) {
   detail::report_phase("assembly");
-  const Mesh& mesh = surface.mesh();
-  const Geometry& geometry = surface.geometry();
-  const Connection& connection = surface.connection();
-  const Topology& topology = surface.topology();
-  const std::vector<EigenStroke>& strokes = controls.strokes;
   detail::Stopwatch watch;
   EigenDesignResult result;
   result.field.n = options.n;
   if (surface.in_space()) result.field.frames = surface.frames();
-  result.field.u = ComplexVectorX<double>::Zero(mesh.vertices());
+  result.field.u = ComplexVectorX<double>::Zero(surface.mesh().vertices());
   const StiffnessMass matrices = energy_matrices(surface, options.n, options.s);
-  const std::vector<double> areas = detail::areas_of_components(geometry, topology);
-  const std::vector<std::vector<Index>> vertices = detail::vertices_of_components(topology);
-  std::vector<Index> local(static_cast<std::size_t>(mesh.vertices()), none);
-  for (const std::vector<Index>& piece : vertices)
-    for (std::size_t k = 0; k < piece.size(); ++k) local[static_cast<std::size_t>(piece[k])] = static_cast<Index>(k);
-
-  const auto component_of = [&](const EigenStroke& stroke) {
-    return static_cast<std::size_t>(
-        topology.face_component[static_cast<std::size_t>(stroke.line.segments.front().face)]);
-  };
-  std::vector<detail::DesignRows> rows(areas.size());
-  std::vector<double> sizes = areas;  // mass of a unit field, rows included
-  std::vector<std::vector<detail::StrokeSample>> samples;
-  for (std::size_t k = 0; k < strokes.size(); ++k) {
-    const std::size_t c = component_of(strokes[k]);
-    for (const SurfaceSegment& segment : strokes[k].line.segments)
-      if (topology.face_component[static_cast<std::size_t>(segment.face)] != static_cast<Index>(c))
-        throw OptionError("strokes[" + std::to_string(k) + "].line", segment.face, "a stroke stays on one component");
-    const double weight = strokes[k].weight * stroke_scale * std::sqrt(areas[c]);
-    append(rows[c],
-           detail::stroke_rows(mesh, geometry, connection, options.n, strokes[k].line, options.offset / areas[c]),
-           weight, local);
-    samples.push_back(detail::samples_along(mesh, geometry, connection, options.n, strokes[k].line));
-    sizes[c] += weight * strokes[k].line.length();
-  }
-  std::vector<TargetFlux> fluxes;
-  // One square over everything that has a sign, so that all of it takes the same one.
-  std::vector<detail::RealRow> joint(areas.size());
-  for (std::size_t k = 0; k < strokes.size(); ++k) {
-    const std::size_t c = component_of(strokes[k]);
-    const double weight = mean_reward * strokes[k].weight * stroke_scale * std::sqrt(areas[c]);
-    const double scale = std::sqrt(weight / strokes[k].line.length());
-    for (const detail::StrokeSample& sample : samples[k])
-      for (std::size_t v = 0; v < 3; ++v)
-        joint[c].add(local[static_cast<std::size_t>(sample.vertex[v])],
-                     scale * sample.ds * std::conj(sample.coefficient[v]));
-    sizes[c] += weight * strokes[k].line.length();
-  }
-  const auto component_of_target = [&](const SingularityTarget& target) {
-    return static_cast<std::size_t>(topology.face_component[static_cast<std::size_t>(target.face)]);
-  };
-  if (!controls.singularities.empty()) {
-    // Area integrals: those S is made of, so that a lone target is met exactly.
-    const FirstOrderOperators operators =
-        first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = OperatorKind::triangle});
-    for (const SingularityTarget& target : controls.singularities) {
-      const std::size_t c = component_of_target(target);
-      const TargetFlux& flux = fluxes.emplace_back(mesh, operators, options.n, target);
-      const double area = geometry.area(target.face);
-      flux.add_real_part(joint[c], target.strength * std::sqrt(target_reward * areas[c] / area), 1, local);
-      flux.add_real_part(rows[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local);
-      sizes[c] += target.strength * target.strength * target_reward * areas[c];
-    }
-  }
-  for (std::size_t c = 0; c < areas.size(); ++c)
-    if (!joint[c].vertex.empty()) rows[c].along.push_back(std::move(joint[c]));
+  const ControlledPencil problem(surface, controls, options);
   result.assembly_seconds = watch.lap();
 
   detail::report_phase("solve");
-  result.components.resize(areas.size());
-  const bool whole = areas.size() == 1 && mesh.referenced_vertices() == mesh.vertices();
-  parallel_for(
-      static_cast<std::int64_t>(areas.size()),
-      [&](std::int64_t i) {
-        const auto c = static_cast<std::size_t>(i);
-        const auto solve = [&](const SparseMatrix<C>& S, const SparseMatrix<C>& M) {
-          return rows[c].along.empty() && options.path == EigenPath::automatic
-                     ? smallest_eigenpair(S, M, areas[c], options.eigen)
-                     : detail::smallest_with_rows(S, M, rows[c], sizes[c], options);
-        };
-        EigenResult eigen = whole ? solve(matrices.S, matrices.M)
-                                  : solve(diagonal_block(matrices.S, vertices[c], local),
-                                          diagonal_block(matrices.M, vertices[c], local));
-        for (std::size_t k = 0; k < vertices[c].size(); ++k)
-          result.field.u[vertices[c][k]] = eigen.u[static_cast<Eigen::Index>(k)];
-        result.components[c] = std::move(eigen.report);
-      },
-      1);
-
+  problem.solve(matrices, result);
   detail::report_phase("analysis");
-  // Of u and -u the one that goes with the singularities, or else with the strokes.
-  std::vector<double> along(areas.size(), 0.0), flux(areas.size(), 0.0);
-  for (std::size_t k = 0; k < fluxes.size(); ++k)
-    flux[component_of_target(controls.singularities[k])] +=
-        controls.singularities[k].strength * fluxes[k].at(result.field.u).real();
-  for (std::size_t k = 0; k < strokes.size(); ++k)
-    for (const detail::StrokeSample& sample : samples[k])
-      along[component_of(strokes[k])] += strokes[k].weight * sample.ds * sample.at(result.field.u).real();
-  for (std::size_t c = 0; c < areas.size(); ++c)
-    if (flux[c] != 0 ? flux[c] < 0 : along[c] < 0)
-      for (const Index v : vertices[c]) result.field.u[v] = -result.field.u[v];
-  for (std::size_t k = 0; k < strokes.size(); ++k)
-    result.strokes.push_back(judge(samples[k], options.n, areas[component_of(strokes[k])], result.field.u));
-  if (!fluxes.empty()) {
-    const std::vector<int> indices = face_indices(mesh, connection, result.field);
-    for (std::size_t k = 0; k < fluxes.size(); ++k) {
-      const SingularityTarget& target = controls.singularities[k];
-      result.singularities.push_back(
-          judge(k, target, fluxes[k], indices[static_cast<std::size_t>(target.face)], options.n, result.field.u));
-    }
-  }
+  problem.choose_signs(result.field.u);
+  problem.judge_controls(result);
   result.eigen_seconds = watch.seconds();
   return result;
 }
