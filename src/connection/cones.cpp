@@ -53,6 +53,18 @@ class Balance {
     return true;
   }
 
+  // A component cannot take more cones than it has vertices. This also bounds the work by the input.
+  void require_possible() const {
+    for (std::size_t c = 0; c < lacking_.size(); ++c) {
+      const double needed = std::abs(lacking_[c]) * n_;
+      const Index vertices = topology_.components[c].vertices;
+      if (unbalanced(c) && !(needed <= double(vertices)))
+        throw OptionError("cones", needed,
+                          "more cones of 1/" + std::to_string(n_) + " would be needed on component " +
+                              std::to_string(c) + ", which has " + std::to_string(vertices) + " vertices");
+    }
+  }
+
   // The curvature that cones have not taken, with what is lacking taken evenly off each component.
   [[nodiscard]] MatrixX<double> right_hand_side() const {
     MatrixX<double> b = curvature_;
@@ -104,6 +116,7 @@ std::vector<Cone> balance_cones(const Mesh& mesh, const Geometry& geometry, cons
   }
   std::vector<Cone> all = cones;
   if (balance.done()) return all;
+  balance.require_possible();
   const std::unique_ptr<LinearSolver<double>> solver = make_linear_solver<double>({.name = options.solver});
   const SparseMatrix<double> L = detail::grounded_laplacian(mesh, geometry, topology);
   solver->analyse(L);

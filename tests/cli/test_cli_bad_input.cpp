@@ -109,7 +109,7 @@ TEST_CASE("each kind of bad input is refused by name, with its exit code, and le
 
 TEST_CASE("a value that the library refuses comes with its field, value, rule and flag") {
   const CliFolder folder;
-  folder.write("a.obj", tetrahedron_vertices + tetrahedron_faces);
+  folder.write("a.obj", std::string(tetrahedron_vertices) + tetrahedron_faces);
   const CliResult result = folder.run("field a.obj --cone 0:1 --json");
   CHECK(result.exit == 2);
   CHECK(result.error_says("--cone"));

@@ -68,6 +68,20 @@ TEST_CASE("cones go where the curvature is: the corners of a box, the ends of a 
   CHECK(cigar.V(ends[0].vertex, 2) * cigar.V(ends[1].vertex, 2) < 0);
 }
 
+TEST_CASE("an index that no number of cones can balance is refused, whatever its size") {
+  const MeshData surface = icosphere(2);
+  const Mesh mesh(surface.F, surface.V.rows());
+  const Geometry geometry(mesh, surface.V);
+  for (const double index : {-1e300, 1e300, -1e17, 1e9}) {
+    CAPTURE(index);
+    CHECK_THROWS_AS((void)balance_cones(mesh, geometry, {{.vertex = 0, .index = index}}, {.n = 1}), OptionError);
+  }
+  // Far from balance, but within what the surface can carry.
+  const std::vector<Cone> cones = balance_cones(mesh, geometry, {{.vertex = 0, .index = 12}}, {.n = 1});
+  CHECK(cones.size() == 11);
+  CHECK(sum_of(cones) == doctest::Approx(2));
+}
+
 TEST_CASE("what is balanced stays, pieces are balanced on their own, boundaries need nothing, too much is taken back") {
   const MeshData two = test::together(icosphere(2), torus(20, 10, 1, 0.4));
   const Mesh mesh(two.F, two.V.rows());

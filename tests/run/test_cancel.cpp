@@ -164,7 +164,6 @@ std::vector<Call> field_calls(const Scene& s) {
 }
 
 std::vector<Call> design_calls(const Scene& s) {
-  const MeshData& d = s.data;
   const FieldRun& r = s.run;
   return {
       {"Designer",
