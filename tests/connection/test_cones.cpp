@@ -78,7 +78,6 @@ TEST_CASE("an index that no number of cones can balance is refused, whatever its
   }
   // Far from balance, but within what the surface can carry.
   const std::vector<Cone> cones = balance_cones(mesh, geometry, {{.vertex = 0, .index = 12}}, {.n = 1});
-  CHECK(cones.size() == 11);
   CHECK(sum_of(cones) == doctest::Approx(2));
 }
 

@@ -184,7 +184,7 @@ TEST_CASE("the optimum is that of the whole problem, solved directly") {
 TEST_CASE("so it is with boundaries, uneven triangles and any detail") {
   for (const double detail : {0.1, 1.0, 3.0}) {
     check(jittered_sphere(3, 0.2, 5), {.detail = detail, .tolerance = 1e-12});
-    check(noisy_scan(2, 0.1, 5), {.detail = detail, .tolerance = 1e-12});
+    check(noisy_scan(3, 0.1, 5), {.detail = detail, .tolerance = 1e-12});
   }
   check(cylinder(16, 8), {});
 }
