@@ -4,6 +4,7 @@
 # when alcap is the top-level project; a parent project keeps its own.
 option(ALCAP_BUILD_APPS "Build the command line tool" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(ALCAP_BUILD_EXAMPLES "Build the programs of docs/recipes.md" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_PERF "Build the benchmarks" OFF)
 option(ALCAP_INSTALL "Add the install rules" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_WITH_CHOLMOD "Direct solves through SuiteSparse CHOLMOD (Eigen otherwise)" ON)
