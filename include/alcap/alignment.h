@@ -17,6 +17,7 @@ namespace alcap {
 class Surface;
 class ConnectedSurface;
 
+/// How directions of curvature are estimated.
 struct CurvatureOptions {
   int n = 4;              // even: principal directions are lines. 4 asks for both
   bool smallest = false;  // n = 2, 6, ...: along the direction of least curvature instead of the largest

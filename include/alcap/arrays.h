@@ -82,7 +82,7 @@ using FixedWidth =
 }  // namespace detail
 
 /// Points as the library keeps them, #V x 3. Not finite is refused where a mesh is made of them. Throws OptionError
-/// when `V` has not three columns.
+/// when `V` does not have three columns.
 template <class Points>
 [[nodiscard]] Positions<double> as_positions(Points&& V) {
   if constexpr (std::is_same_v<std::remove_cvref_t<Points>, Positions<double>>) {
@@ -95,7 +95,7 @@ template <class Points>
   }
 }
 
-/// Triangles as the library keeps them, #F x 3. Throws OptionError when `F` has not three columns and MeshError
+/// Triangles as the library keeps them, #F x 3. Throws OptionError when `F` does not have three columns and MeshError
 /// (index_out_of_range, naming the faces) for an index below 0 or not below 2^31, which the library's 32 bits cannot
 /// hold; whether an index has a vertex is checked where a mesh is made.
 template <class Triangles>

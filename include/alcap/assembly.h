@@ -19,7 +19,9 @@ class HermitianPattern {
   /// O(V), parallel.
   explicit HermitianPattern(const Mesh& mesh);
 
+  /// #V.
   [[nodiscard]] Index rows() const { return static_cast<Index>(outer_.size()) - 1; }
+  /// #V + 2 #E.
   [[nodiscard]] Index nonzeros() const { return outer_[outer_.size() - 1]; }
   /// Slot of entry (v, v).
   [[nodiscard]] Index diagonal(Index v) const { return diagonal_[v]; }

@@ -58,6 +58,7 @@ class [[nodiscard]] BackendRegistration {
   /// Made by the functions below.
   explicit BackendRegistration(std::function<void()> remove) : remove_(std::move(remove)) {}
   BackendRegistration(BackendRegistration&& other) noexcept : remove_(std::exchange(other.remove_, nullptr)) {}
+  /// Exchanges the two registrations.
   BackendRegistration& operator=(BackendRegistration&& other) noexcept {
     std::swap(remove_, other.remove_);
     return *this;
@@ -87,9 +88,9 @@ BackendRegistration register_linear_solver(std::string name, LinearSolverFactory
 /// The smallest eigenpair of S u = lambda M u is asked for: S Hermitian positive semidefinite, possibly indefinite by
 /// rounding; M Hermitian positive definite; V x V, both triangles stored. Lives as long as the call.
 struct EigenProblem {
-  const SparseMatrix<std::complex<double>>& S;
-  const SparseMatrix<std::complex<double>>& M;
-  double area = 1;  ///< of the surface: 1 / area is the scale of eigenvalues
+  const SparseMatrix<std::complex<double>>& S;  ///< stiffness
+  const SparseMatrix<std::complex<double>>& M;  ///< mass
+  double area = 1;                              ///< of the surface: 1 / area is the scale of eigenvalues
   /// M, when S and M are compressed and have the same pattern, else null: for LinearSolver::set_transport().
   const SparseMatrix<std::complex<double>>* transport = nullptr;
 };

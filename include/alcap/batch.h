@@ -37,6 +37,7 @@ class Context {
   }
   const FieldRun& run(Positions<double>&& V, Faces&& F);
 
+  /// Those it was made with.
   [[nodiscard]] const FieldRunOptions& options() const { return options_; }
 
  private:
@@ -44,6 +45,7 @@ class Context {
   FieldRun run_;
 };
 
+/// How a batch runs.
 struct BatchOptions {
   FieldRunOptions field = {};  // of every context
   int jobs = 0;                // meshes at a time; 0: as many as the machine has threads
@@ -54,8 +56,8 @@ struct BatchOptions {
 
 /// Calls work(context, i) for every i in [0, count), `jobs` at a time, in about this order, each on one thread with
 /// that thread's context. What work throws goes to failed(i, error), one call at a time, and the others go on; an
-/// exception thrown by `failed` ends the batch and reaches the caller. Anything thrown that is no std::exception ends
-/// it as well, and so does Cancelled when the batch itself was cancelled. Throws OptionError for negative count or
+/// exception thrown by `failed` ends the batch and reaches the caller. Anything thrown that is not a std::exception
+/// ends it as well, and so does Cancelled when the batch itself was cancelled. Throws OptionError for negative count or
 /// jobs.
 void run_batch(std::int64_t count, const BatchOptions& options,
                const std::function<void(Context& context, std::int64_t i)>& work,

@@ -15,6 +15,7 @@
 
 namespace alcap {
 
+/// How cones are added.
 struct BalanceOptions {
   int n = 1;                    // cones are added in steps of 1/n
   std::string solver = "auto";  // backend of the Poisson solves

@@ -23,6 +23,7 @@
 
 namespace alcap {
 
+/// A surface, a connection on it and, when asked for, the frames of its vertices.
 class ConnectedSurface : public Surface {
  public:
   /// No surface; only good for being assigned to.
@@ -31,7 +32,9 @@ class ConnectedSurface : public Surface {
   /// Throws OptionError when the connection is not one of this surface's mesh (its arrays have other sizes).
   ConnectedSurface(Surface surface, Connection connection);
 
+  /// The surface without its connection.
   [[nodiscard]] const Surface& surface() const { return *this; }
+  /// The connection.
   [[nodiscard]] const Connection& connection() const { return connected_->connection; }
 
   /// Frames of the vertices, computed when they are first asked for (vertex_frames, O(V)); always the same object.

@@ -27,6 +27,7 @@ namespace alcap {
 class Surface;
 class ConnectedSurface;
 
+/// How a connection was built, see the functions below.
 enum class ConnectionKind { polar, local, global, trivial };
 
 /// The point of a triangle that the polar map's corner directions aim at (LTGD 2016, eq. 12). The incenter's
@@ -63,9 +64,10 @@ struct NamesOf<LengthFactor> {
 
 /// A kind of connection with its center, under one name: those of ConnectionKind, and "polar-barycenter".
 struct ConnectionChoice {
-  ConnectionKind kind = ConnectionKind::global;
-  PolarCenter center = PolarCenter::incenter;
+  ConnectionKind kind = ConnectionKind::global;  ///< how it is built
+  PolarCenter center = PolarCenter::incenter;    ///< of the polar map
 };
+/// The word that options and reports use for it.
 [[nodiscard]] constexpr std::string_view name(const ConnectionChoice& choice) {
   const bool other = choice.kind == ConnectionKind::polar && choice.center == PolarCenter::barycenter;
   return other ? "polar-barycenter" : name(choice.kind);
@@ -77,10 +79,12 @@ struct ConnectionChoice {
   return std::nullopt;
 }
 
+/// Which polar map is built.
 struct PolarOptions {
   PolarCenter center = PolarCenter::incenter;  // see PolarCenter: only this one converges in every measure
 };
 
+/// How the globally optimal connection is weighed and solved.
 struct GlobalOptions {
   /// lambda in D_T + lambda D_E, the curvature-spreading knob: smaller spreads each vertex's curvature over more
   /// faces (an n-field ignores small bumps), larger follows every detail. 1 weighs both as the paper does.
@@ -96,24 +100,24 @@ struct GlobalOptions {
 
 /// How a connection was found and how far it is from the Levi-Civita one.
 struct ConnectionReport {
-  bool converged = true;
-  int iterations = 0;   ///< conjugate gradient iterations, 0 when none were needed
-  double residual = 0;  ///< relative residual at the end
-  double D_T = 0;       ///< deviation inside faces, sum of tau' W tau (LTGD 2016, Sec. 5.3)
-  double D_E = 0;       ///< deviation between edges and faces, with its length factor, without lambda
-  std::string message;  ///< empty when all is well
+  bool converged = true;  ///< whether the tolerance was reached
+  int iterations = 0;     ///< conjugate gradient iterations, 0 when none were needed
+  double residual = 0;    ///< relative residual at the end
+  double D_T = 0;         ///< deviation inside faces, sum of tau' W tau (LTGD 2016, Sec. 5.3)
+  double D_E = 0;         ///< deviation between edges and faces, with its length factor, without lambda
+  std::string message;    ///< empty when all is well
 };
 
 /// A cone: the index that a field of the trivial connection has at a vertex, in turns (+1/4: three-sided corner of a
 /// cross field's quad mesh).
 struct Cone {
-  Index vertex = none;
-  double index = 0;
+  Index vertex = none;  ///< an interior vertex
+  double index = 0;     ///< in turns, a multiple of 1/n
 };
 
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
 struct Connection {
-  ConnectionKind kind = ConnectionKind::polar;
+  ConnectionKind kind = ConnectionKind::polar;  ///< how it was built
   VectorX<double> rho;  ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
   VectorX<double>
       rho_e;  ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both ends
@@ -123,7 +127,7 @@ struct Connection {
   VectorX<double> K;        ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
   VectorX<double> alpha;    ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
   std::vector<Cone> cones;  ///< of a trivial connection, as trivial() was given them
-  ConnectionReport report;
+  ConnectionReport report;  ///< how it was found
 
   /// rho_ij along halfedge h = i -> j; antisymmetric.
   [[nodiscard]] double rho_along(const Mesh& mesh, Index h) const {
@@ -167,6 +171,7 @@ struct Connection {
 [[nodiscard]] Connection globally_optimal(const Mesh& mesh, const Geometry& geometry,
                                           const GlobalOptions& options = {});
 
+/// What a trivial connection is prescribed besides its cones.
 struct TrivialOptions {
   int n = 1;  // indices and holonomies are multiples of 1/n turn: the degree of the fields the connection is for
   /// Holonomy, in turns, of each of homology_generators(mesh, topology), modulo 1. Empty: of each the multiple of 1/n

@@ -32,6 +32,7 @@
 
 namespace alcap {
 
+/// How the caller of a long function hears of it and stops it.
 struct RunControl {
   /// Asked by the call and by its loops, about every hundredth of a second, by one thread at a time, not always the
   /// same one; true ends the call with Cancelled. An exception thrown here ends the call as well and reaches the

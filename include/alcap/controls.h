@@ -19,8 +19,8 @@ namespace alcap {
 
 /// A singularity of index sign/n asked for in a face.
 struct SingularityTarget {
-  Index face = none;
-  int sign = 1;  // +1: source, vortex, spiral (n = 1), wedge; -1: saddle, trisector
+  Index face = none;  ///< the face it shall lie in
+  int sign = 1;       // +1: source, vortex, spiral (n = 1), wedge; -1: saddle, trisector
   /// As Singularity::orientation, radians in the face's frame. n = 1, positive: 0 source, pi/2 vortex, pi sink.
   /// Otherwise the direction of one of the |n - sign| straight branches of the pattern.
   double orientation = 0;
@@ -32,9 +32,9 @@ struct SingularityTarget {
 /// The field at a vertex, as an n-th power in the vertex frame: u[vertex] = value exactly, or, with `direction_only`,
 /// a real multiple of it (the report tells when the multiple came out negative).
 struct VertexConstraint {
-  Index vertex = none;
-  Complex<double> value = 1;
-  bool direction_only = false;
+  Index vertex = none;          ///< which vertex
+  Complex<double> value = 1;    ///< u there
+  bool direction_only = false;  ///< the length is free
 };
 
 /// Soft alignment with a polyline on the surface: the field is drawn to unit vectors along it. A line of strokes.h is
@@ -45,14 +45,14 @@ struct Stroke {
   double weight = 1;                      // larger follows closer; the report says how close it came
   SurfacePolyline line = {};              // instead of points
   /// Half the width of a hat-shaped footprint, in units of length of the mesh: vertices this close are drawn along too,
-  /// less the farther they are. The weight is spread, not multiplied. 0: the line alone. Goes with `line`.
+  /// less the farther they are. The weight is spread, not multiplied. 0: the line alone. Only with `line`.
   double radius = 0;
 };
 
 /// Soft alignment with every boundary loop: along it, or across it. Weights as of a stroke along the boundary.
 struct BoundaryAlignment {
-  bool normal = false;
-  double weight = 1;
+  bool normal = false;  ///< across the boundary, not along it
+  double weight = 1;    ///< larger follows closer
 };
 
 /// Targets and fixed directions count as met within this angle: they are solved for exactly where nothing else pulls,
@@ -62,12 +62,14 @@ inline constexpr double target_met_degrees = 0.5;
 /// off still reads as along.
 inline constexpr double stroke_met_degrees = 10;
 
+/// Any of the things that a design can ask for.
 using Control = std::variant<SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment>;
+/// The name of a control within its Designer.
 enum class ControlId : int {};
 
 /// What became of one control.
 struct ControlReport {
-  ControlId id{};
+  ControlId id{};            ///< which control
   bool met = false;          ///< see target_met_degrees, stroke_met_degrees
   int index = 0;             ///< targets: index found in the face (n-ths)
   double error_degrees = 0;  ///< targets: of orientation; strokes, boundary: mean deviation; fixed vertices: direction

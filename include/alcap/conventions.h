@@ -37,6 +37,7 @@ using Index = std::int32_t;
 /// "No such element": the twin of a boundary halfedge, the component of an unreferenced vertex.
 inline constexpr Index none = -1;
 
+/// A complex number.
 template <class T>
 using Complex = std::complex<T>;
 
@@ -60,7 +61,7 @@ using Positions = Eigen::Matrix<T, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Faces = Eigen::Matrix<Index, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 template <class T>
-inline constexpr T pi = std::numbers::pi_v<T>;
+inline constexpr T pi = std::numbers::pi_v<T>;  ///< The number pi.
 
 /// The representative of `angle` modulo 2 pi in [-pi, pi] (nearest multiple removed, ties to even).
 template <class T>

@@ -26,8 +26,9 @@
 
 namespace alcap {
 
-inline constexpr int design_version = 1;
+inline constexpr int design_version = 1;  ///< The version of the format that is written, and the only one that is read.
 
+/// A point or direction in space.
 using Vector3 = std::array<double, 3>;
 
 /// What a singularity looks like. Sink, vortex and spiral exist for n = 1 only, wedge and trisector for n = 2.
@@ -53,73 +54,76 @@ struct NamesOf<SingularityKind> {
 
 /// A singularity of index +-1/n. One of `face` and `at`.
 struct DesignSingularity {
-  std::string name = {};  // for messages and the report
-  Index face = none;
-  std::optional<Vector3> at = std::nullopt;  // the face nearest to this point
-  SingularityKind kind = SingularityKind::source;
+  std::string name = {};                           // for messages and the report
+  Index face = none;                               ///< the face, or none where `at` is given
+  std::optional<Vector3> at = std::nullopt;        // the face nearest to this point
+  SingularityKind kind = SingularityKind::source;  ///< what it looks like
   /// Degrees. Index +1 with n = 1: swirl, added to that of the kind. Otherwise the direction of one of the straight
   /// branches, from `relative_to` projected to the face, or else from the face's first edge; counter-clockwise.
   double angle = 0;
-  std::optional<Vector3> relative_to = std::nullopt;
-  double strength = 1;  // holds against a guidance field of unit length
+  std::optional<Vector3> relative_to = std::nullopt;  ///< where the angle starts; empty: the face's first edge
+  double strength = 1;                                // holds against a guidance field of unit length
   bool pin = false;  // the zero lies exactly at `barycentric`, or else at the point nearest to `at`, or the barycenter
-  std::optional<std::array<double, 3>> barycentric = std::nullopt;
+  std::optional<std::array<double, 3>> barycentric = std::nullopt;  ///< of the pin
 };
 
 /// The field at a vertex, exactly. One of `vertex` and `at`; one of `direction` and `angle`.
 struct DesignFixed {
-  std::string name = {};
-  Index vertex = none;
+  std::string name = {};                            ///< for messages and reports
+  Index vertex = none;                              ///< the vertex, or none where `at` is given
   std::optional<Vector3> at = std::nullopt;         // the vertex nearest to this point
   std::optional<Vector3> direction = std::nullopt;  // of one of the n branches, projected to the tangent plane
   std::optional<double> angle = std::nullopt;       // degrees from `relative_to`, or else from the vertex frame's axis
-  std::optional<Vector3> relative_to = std::nullopt;
-  double length = 1;         // |u| there
-  bool free_length = false;  // only the direction is fixed
+  std::optional<Vector3> relative_to = std::nullopt;  ///< where the angle starts; empty: the axis of the vertex frame
+  double length = 1;                                  // |u| there
+  bool free_length = false;                           // only the direction is fixed
 };
 
 /// A point of a stroke. `face` and `barycentric`, or `at`.
 struct DesignPoint {
-  Index face = none;
-  std::array<double, 3> barycentric{};
+  Index face = none;                         ///< the face, or none where `at` is given
+  std::array<double, 3> barycentric{};       ///< in that face
   std::optional<Vector3> at = std::nullopt;  // the nearest point of the surface
 };
 
 /// A stroke is traced through every face it crosses. One of `points`, `vertices` and `path`.
 struct DesignStroke {
-  std::string name = {};
-  std::vector<DesignPoint> points = {};
-  std::vector<Index> vertices = {};  // along edges, by shortest paths between those that no edge joins
-  std::vector<Vector3> path = {};    // a polyline in space, projected to the surface
-  double weight = 1;                 // see Stroke, EigenStroke
-  double radius = 0;                 // of a hat-shaped footprint, in units of the mesh; 0: the line alone
+  std::string name = {};                 ///< for messages and reports
+  std::vector<DesignPoint> points = {};  ///< in order
+  std::vector<Index> vertices = {};      // along edges, by shortest paths between those that no edge joins
+  std::vector<Vector3> path = {};        // a polyline in space, projected to the surface
+  double weight = 1;                     // see Stroke, EigenStroke
+  double radius = 0;                     // of a hat-shaped footprint, in units of the mesh; 0: the line alone
 };
 
 /// Alignment with the boundary; none unless `wanted`.
 struct DesignBoundary {
-  bool wanted = false;
-  bool normal = false;
-  double weight = 1;  // see BoundaryAlignment
+  bool wanted = false;  ///< whether the design asks for it
+  bool normal = false;  ///< across the boundary, not along it
+  double weight = 1;    // see BoundaryAlignment
 };
 
 /// A cone at the vertex nearest to a point.
 struct DesignConeAt {
-  Vector3 at{};
+  Vector3 at{};      ///< the cone lies at the vertex nearest to this point
   double index = 0;  // see Cone
 };
 
+/// The connection that a design asks for.
 struct DesignConnection {
   ConnectionKind kind = ConnectionKind::global;  // trivial: with the cones
-  PolarCenter center = PolarCenter::incenter;
-  double detail = 1;  // see GlobalOptions
-  std::vector<Cone> cones = {};
-  std::vector<DesignConeAt> cones_at = {};
+  PolarCenter center = PolarCenter::incenter;    ///< of the polar map
+  double detail = 1;                             // see GlobalOptions
+  std::vector<Cone> cones = {};                  ///< at vertices
+  std::vector<DesignConeAt> cones_at = {};       ///< at points in space
   bool balance = false;               // cones are added until they sum to what topology demands, see balance_cones
   std::vector<double> holonomy = {};  // of the generators, in turns; empty: the least change
   std::vector<double> loops = {};     // index of every boundary loop, in turns; empty: the least change
 };
 
+/// What a design stays close to.
 struct DesignGuidance {
+  /// Where the guidance field comes from.
   enum class Source {
     none,             ///< no guidance term
     zero,             ///< towards zero: what makes flat and trivial connections solvable without saying anything else
@@ -128,7 +132,7 @@ struct DesignGuidance {
     least_curvature,  ///< n = 2: the direction of least curvature
     file,             ///< a field that alcap wrote, on the same mesh
   };
-  Source source = Source::none;
+  Source source = Source::none;            ///< where the guidance field comes from
   std::filesystem::path file = {};         // as written; read_design makes it relative to the folder of the design
   double weight = 1;                       // see DesignerOptions::guidance_weight
   std::optional<double> t = std::nullopt;  // instead of the weight, see DesignerOptions::t
@@ -145,6 +149,7 @@ struct NamesOf<DesignGuidance::Source> {
                                                   {DesignGuidance::Source::file, "file"}});
 };
 
+/// Which of the two ways of LTGD 2016, Sec. 7 solves a design.
 enum class DesignMethod {
   variational,  ///< designer.h: a linear solve, exact where it says so
   eigen,        ///< eigen_design.h: the smoothest field that follows strokes and has the singularities
@@ -157,21 +162,23 @@ struct NamesOf<DesignMethod> {
 
 /// Counts of the mesh that a design is for.
 struct DesignMesh {
-  std::int64_t vertices = 0, faces = 0;
+  /// How many the mesh must have.
+  std::int64_t vertices = 0, faces = 0;  ///< how many the mesh must have
 };
 
+/// A whole design, as its file says it.
 struct DesignFile {
-  std::string comment = {};
-  std::optional<DesignMesh> mesh = std::nullopt;  // given: the design refuses other meshes
-  int n = 1;
-  DesignMethod method = DesignMethod::variational;
-  double s = 0;  // energy family in [-1, 1], see SmoothestOptions::s
-  DesignConnection connection = {};
-  DesignGuidance guidance = {};
-  std::vector<DesignSingularity> singularities = {};
-  std::vector<DesignFixed> fixed = {};
-  std::vector<DesignStroke> strokes = {};
-  DesignBoundary boundary = {};
+  std::string comment = {};                           ///< for people
+  std::optional<DesignMesh> mesh = std::nullopt;      // given: the design refuses other meshes
+  int n = 1;                                          ///< degree of the field
+  DesignMethod method = DesignMethod::variational;    ///< variational or eigen
+  double s = 0;                                       // energy family in [-1, 1], see SmoothestOptions::s
+  DesignConnection connection = {};                   ///< which connection
+  DesignGuidance guidance = {};                       ///< what the field stays close to
+  std::vector<DesignSingularity> singularities = {};  ///< targets
+  std::vector<DesignFixed> fixed = {};                ///< fixed vertices
+  std::vector<DesignStroke> strokes = {};             ///< strokes
+  DesignBoundary boundary = {};                       ///< alignment with the boundary
 };
 
 /// Reads and checks a design. Throws FileError: missing, not JSON (with the line), a key that is unknown or given
@@ -206,7 +213,7 @@ void check_design(const DesignFile& design, const Mesh& mesh);
 struct DesignControl {
   std::string path;  ///< "/singularities/0"
   std::string name;  ///< as given, or "saddle in face 12"
-  Control control;
+  Control control;   ///< as Designer::add() takes it
 };
 
 /// The controls of a placed design: singularities, then fixed vertices, then strokes, then the boundary. The surface

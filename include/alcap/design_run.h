@@ -28,6 +28,7 @@
 
 namespace alcap {
 
+/// How run_design() solves.
 struct DesignRunOptions {
   std::string solver = "auto";  // linear backend, of the design and of the eigenproblems on the way
   /// Relative residual that the certificate accepts: what EigenOptions::tolerance asks of eigenvectors. Linear solves
@@ -45,8 +46,9 @@ struct DesignRunOptions {
 
 /// What was asked for and what became of it: a singularity, a fixed vertex, a stroke, the boundary, or a cone.
 struct DesignOutcome {
+  /// What was asked for.
   enum class Type { singularity, fixed, stroke, boundary, cone };
-  Type type{};
+  Type type{};                                    ///< what was asked for
   std::size_t number = 0;                         ///< in its list of the design
   std::string path;                               ///< "/singularities/0"
   std::string name;                               ///< as given, or "saddle in face 12"
@@ -56,17 +58,19 @@ struct DesignOutcome {
   int index = 0;                                  ///< singularities: found in the face, in n-ths
   std::optional<Singularity> found = std::nullopt;  ///< singularities: the one in the face, if there is one
   double length_at_pin = 0;                         ///< pinned zeros: |u| there, over the largest at the face's corners
-  double cone_asked = 0, cone_index = 0;            ///< cones: index asked for at the vertex and index it has, in turns
+  /// Cones: index asked for at the vertex and index it has, in turns.
+  double cone_asked = 0, cone_index = 0;  ///< cones: index asked for at the vertex and index it has, in turns
 };
 
 /// What must hold for the result to be what was asked for.
 struct DesignCertificate {
-  bool connection_converged = false;
-  bool eigen_converged = false;   ///< every eigenproblem on the way
-  bool residual_small = false;    ///< recomputed residual <= DesignRunOptions::residual
-  bool index_sums_match = false;  ///< Poincare-Hopf, on every component
-  bool finite = false;            ///< no value of the field is NaN or infinite
-  bool controls_met = false;      ///< every outcome
+  bool connection_converged = false;  ///< the connection reached its tolerance
+  bool eigen_converged = false;       ///< every eigenproblem on the way
+  bool residual_small = false;        ///< recomputed residual <= DesignRunOptions::residual
+  bool index_sums_match = false;      ///< Poincare-Hopf, on every component
+  bool finite = false;                ///< no value of the field is NaN or infinite
+  bool controls_met = false;          ///< every outcome
+  /// All of the above.
   [[nodiscard]] bool holds() const {
     return connection_converged && eigen_converged && residual_small && index_sums_match && finite && controls_met;
   }
@@ -75,17 +79,17 @@ struct DesignCertificate {
 /// Wall-clock seconds; what a session has kept takes none.
 struct DesignTimes {
   double connection = 0;  ///< with placing the design and the frames
-  double guidance = 0;
-  double prepare = 0;  ///< assembly, factorisation, controls
-  double solve = 0;
-  double analysis = 0;
+  double guidance = 0;    ///< the guidance field
+  double prepare = 0;     ///< assembly, factorisation, controls
+  double solve = 0;       ///< the design itself
+  double analysis = 0;    ///< indices, zeros, what became of the controls
 };
 
 /// Everything a run computed.
 struct DesignRun {
-  ConnectedSurface surface;
-  DesignFile design;  ///< placed, with the cones that balancing added
-  Field field;
+  ConnectedSurface surface;  ///< with the connection of the design
+  DesignFile design;         ///< placed, with the cones that balancing added
+  Field field;               ///< the field
   /// The guidance field as it was used, of root mean square length 1; null without one, and for guidance towards zero.
   std::shared_ptr<const ComplexVectorX<double>> guidance;
   double guidance_scale = 0;               ///< what it was multiplied by to be so; 0 without one
@@ -98,13 +102,17 @@ struct DesignRun {
   std::vector<int> indices;                ///< #F, in n-ths
   std::vector<IndexSum> index_sums;        ///< per component
   std::vector<Singularity> singularities;  ///< in order of faces
-  DesignCertificate certificate;
-  std::vector<Remark> remarks;  ///< about the result; those about the mesh are mesh_remarks()
-  DesignTimes times;
+  DesignCertificate certificate;           ///< what was checked
+  std::vector<Remark> remarks;             ///< about the result; those about the mesh are mesh_remarks()
+  DesignTimes times;                       ///< wall clock
 
+  /// Half-edges.
   [[nodiscard]] const Mesh& mesh() const { return surface.mesh(); }
+  /// Lengths, angles, areas.
   [[nodiscard]] const Geometry& geometry() const { return surface.geometry(); }
+  /// Components, boundary loops.
   [[nodiscard]] const Topology& topology() const { return surface.topology(); }
+  /// The connection.
   [[nodiscard]] const Connection& connection() const { return surface.connection(); }
 };
 
@@ -128,6 +136,7 @@ class DesignSession {
   explicit DesignSession(const Surface& surface, DesignRunOptions options = {});
   ~DesignSession();
   DesignSession(DesignSession&&) noexcept;
+  /// Moves what is kept.
   DesignSession& operator=(DesignSession&&) noexcept;
 
   /// As run_design(); after an exception the session can be used again.

@@ -37,8 +37,9 @@ namespace alcap {
 
 class ConnectedSurface;
 
+/// What a Designer is prepared for.
 struct DesignerOptions {
-  int n = 1;
+  int n = 1;  ///< 1 vector field, 2 line field, 4 cross field
   /// Weight of the guidance field, in units of 2 lambda_min of a round sphere of the same area: 1 weighs closeness to
   /// u0 like smoothness. 0: no guidance; the system is then singular on flat and trivial connections, which is refused.
   double guidance_weight = 0;
@@ -49,9 +50,9 @@ struct DesignerOptions {
   double s = 0;  // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
   // How targets are integrated. The area form is the one S itself is made of, so a lone target is met exactly; with the
   // edge form a few faces of very coarse meshes miss theirs.
-  OperatorKind kind = OperatorKind::triangle;
-  int largest_rank = 256;       // rows of strokes kept as an update; beyond, refactorising is cheaper
-  std::string solver = "auto";  // linear backend
+  OperatorKind kind = OperatorKind::triangle;  ///< edge- or triangle-based targets
+  int largest_rank = 256;                      // rows of strokes kept as an update; beyond, refactorising is cheaper
+  std::string solver = "auto";                 // linear backend
   /// As SolverOptions::right_hand_sides, for a design that is solved once: one for all targets and one for each pin and
   /// vertex. 0: controls will come and go.
   int right_hand_sides = 0;
@@ -64,16 +65,18 @@ struct DesignerOptions {
   RunControl control = {};
 };
 
+/// What Designer::solve() returns.
 struct DesignResult {
-  Field field;
+  Field field;                          ///< the field
   std::vector<ControlReport> controls;  ///< in the order of their ids
   int rows = 0;                         ///< low-rank rows in this solve
   int solves = 0;                       ///< right-hand sides solved for by this call
   double residual = 0;                  ///< relative residual of the solution before the rows, recomputed
   std::string solver;                   ///< the linear backend and its choices
-  double seconds = 0;
+  double seconds = 0;                   ///< wall clock
 };
 
+/// A design that is prepared once and edited cheaply, see the top of this file.
 class Designer {
  public:
   /// Shares the surface. Throws OptionError for bad options, for t not below lambda_1, for a system that is singular (a
@@ -81,13 +84,16 @@ class Designer {
   explicit Designer(const ConnectedSurface& surface, const DesignerOptions& options = {});
   ~Designer();
   Designer(Designer&&) noexcept;
+  /// Moves the prepared system.
   Designer& operator=(Designer&&) noexcept;
 
   /// Adds a control; throws OptionError naming what is wrong with it.
   ControlId add(Control control);
   /// Replaces a control.
   void set(ControlId id, Control control);
+  /// Removes a control; throws OptionError when there is none with this id.
   void remove(ControlId id);
+  /// The controls by id.
   [[nodiscard]] const std::map<ControlId, Control>& controls() const;
 
   /// The field to stay close to (same mesh and n; its frames are not read). Throws OptionError without a guidance

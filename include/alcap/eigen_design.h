@@ -16,7 +16,7 @@
 //       connected, {.strokes = {{.line = line}}, .singularities = {{.face = 12, .sign = -1}}}, {.n = 4});
 //   result.field.u, result.components[0].lambda, result.strokes[0].mean_degrees ...
 //
-// A field and its opposite follow a single stroke equally well: of both, the one that goes with the controls is
+// A field and its opposite follow a single stroke equally well: of both, the one that agrees with the controls is
 // returned.
 #pragma once
 
@@ -42,19 +42,22 @@ struct NamesOf<EigenPath> {
       {{EigenPath::automatic, "auto"}, {EigenPath::real_view, "real_view"}, {EigenPath::low_rank, "low_rank"}});
 };
 
+/// A stroke of an eigen design.
 struct EigenStroke {
-  SurfacePolyline line;
+  SurfacePolyline line;  ///< the line on the surface
   /// w in units of 10 sqrt(area of the component): 1 means the same on every mesh and in every unit. 1 draws the field
   /// to within a few degrees of the stroke, 100 to what the polyline's own corners leave.
   double weight = 1;
 };
 
+/// What an eigen design asks for.
 struct EigenControls {
-  std::vector<EigenStroke> strokes = {};
-  /// Strength 1 outweighs the smoothest field of a surface without targets several times. Pins go with designer.h only.
+  std::vector<EigenStroke> strokes = {};  ///< lines to follow
+  /// Strength 1 outweighs the smoothest field of a surface without targets several times. Pins are for designer.h only.
   std::vector<SingularityTarget> singularities = {};
 };
 
+/// How an eigen design is solved.
 struct EigenDesignOptions {
   int n = 1;       // 1 vector field, 2 line field, 4 cross field
   double s = 0.0;  // energy family, as SmoothestOptions::s
@@ -63,8 +66,8 @@ struct EigenDesignOptions {
   /// stroke then aligns nothing. 1 is enough to remove it, and adds no pull on the length of the field. 0: as in the
   /// paper.
   double offset = 1;
-  EigenOptions eigen = {};  // tolerance, backend; `method` is used by components without strokes
-  EigenPath path = EigenPath::automatic;
+  EigenOptions eigen = {};                // tolerance, backend; `method` is used by components without strokes
+  EigenPath path = EigenPath::automatic;  ///< how the constrained eigenproblem is solved
   int largest_rank = 64;  // automatic: rows kept as an update (two per face); beyond, the real factorisation is cheaper
   /// Phases "assembly", "solve", "analysis". EigenOptions::cancel is honoured in the whole call as well.
   RunControl control = {};
@@ -78,17 +81,18 @@ struct EigenStrokeReport {
   bool met = false;            ///< mean within 10 degrees: drawn to, not tied to
 };
 
+/// What eigen_design() returns.
 struct EigenDesignResult {
-  Field field;                          ///< int |u|^2 = 1 on every component
-  std::vector<EigenReport> components;  ///< one per component, in the order of topology.h
-  std::vector<EigenStrokeReport> strokes;
+  Field field;                               ///< int |u|^2 = 1 on every component
+  std::vector<EigenReport> components;       ///< one per component, in the order of topology.h
+  std::vector<EigenStrokeReport> strokes;    ///< what became of each stroke
   std::vector<ControlReport> singularities;  ///< as of designer.h; ids are their positions
-  double assembly_seconds = 0;
-  double eigen_seconds = 0;
+  double assembly_seconds = 0;               ///< wall clock
+  double eigen_seconds = 0;                  ///< wall clock
 };
 
 /// Solves; without controls as smoothest_field(). Throws OptionError for n < 1, s outside [-1, 1], bad weights, pins,
-/// or strokes and singularities that are empty or name faces the mesh has not. Non-convergence is reported.
+/// or strokes and singularities that are empty or name faces that the mesh does not have. Non-convergence is reported.
 /// O(factorisation); the derivative along the stroke is the difference quotient of the part across it between the
 /// middles of its pieces (one per face, where the tangent is that of the smooth curve to second order), everything else
 /// is the closed-form basis integrated by three Gauss points per segment.

@@ -18,8 +18,10 @@ namespace alcap {
 
 class ConnectedSurface;
 
+/// The two matrices of one degree and connection.
 struct StiffnessMass {
-  SparseMatrix<Complex<double>> S, M;
+  SparseMatrix<Complex<double>> S;  ///< stiffness
+  SparseMatrix<Complex<double>> M;  ///< mass
 };
 
 /// What a solver of your own starts from: S of the energy E_s (see apply_energy_family; s = 0: the Dirichlet energy)
@@ -49,8 +51,11 @@ void apply_energy_family(const Mesh& mesh, const HermitianPattern& pattern, cons
 
 /// E_D, E_A and E_H of an n-field with values u in vertex frames.
 struct FieldEnergies {
-  double dirichlet = 0, antiholomorphic = 0, holomorphic = 0;
+  double dirichlet = 0;        ///< E_D = (E_A + E_H) / 2
+  double antiholomorphic = 0;  ///< E_A
+  double holomorphic = 0;      ///< E_H
 };
+/// The energies of a field with vertex components u (#V), exact integrals of the closed-form basis.
 [[nodiscard]] FieldEnergies field_energies(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u);
 [[nodiscard]] FieldEnergies field_energies(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
                                            int n, const ComplexVectorX<double>& u);

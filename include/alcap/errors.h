@@ -26,10 +26,14 @@ class Error : public std::runtime_error {
 /// a missing file); `offset()` the byte offset where that helps more, or -1.
 class FileError : public Error {
  public:
+  /// See the accessors.
   FileError(const std::string& what, std::string path, std::int64_t line = 0, std::int64_t offset = -1)
       : Error(what), path_(std::move(path)), line_(line), offset_(offset) {}
+  /// The file.
   [[nodiscard]] const std::string& path() const { return path_; }
+  /// 1-based, or 0.
   [[nodiscard]] std::int64_t line() const { return line_; }
+  /// In bytes, or -1.
   [[nodiscard]] std::int64_t offset() const { return offset_; }
 
  private:
@@ -80,11 +84,15 @@ struct NamesOf<Element> {
 /// A mesh cannot be used. Names the offending elements (the first few; `count()` says how many there are).
 class MeshError : public Error {
  public:
+  /// See the accessors.
   MeshError(const std::string& what, Defect defect, Element element, std::int64_t count,
             std::vector<std::int32_t> first)
       : Error(what), defect_(defect), element_(element), count_(count), first_(std::move(first)) {}
+  /// What is wrong.
   [[nodiscard]] Defect defect() const { return defect_; }
+  /// What first() lists.
   [[nodiscard]] Element element() const { return element_; }
+  /// How many elements are concerned.
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// The first offenders: vertex or face numbers, or pairs of vertices for edges.
   [[nodiscard]] const std::vector<std::int32_t>& first() const { return first_; }
@@ -106,16 +114,21 @@ namespace detail {
 /// given in the shortest form that reads back.
 class OptionError : public Error {
  public:
+  /// See the accessors.
   OptionError(std::string field, std::string value, std::string rule)
       : Error("option '" + field + "' = " + value + ": " + rule),
         field_(std::move(field)),
         value_(std::move(value)),
         rule_(std::move(rule)) {}
+  /// See the accessors.
   template <class Number>
   requires std::is_arithmetic_v<Number> OptionError(std::string field, Number value, std::string rule)
       : OptionError(std::move(field), detail::number_text(value), std::move(rule)) {}
+  /// Which option.
   [[nodiscard]] const std::string& field() const { return field_; }
+  /// Its value, as text.
   [[nodiscard]] const std::string& value() const { return value_; }
+  /// What the value must be.
   [[nodiscard]] const std::string& rule() const { return rule_; }
 
  private:

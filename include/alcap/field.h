@@ -16,8 +16,9 @@ namespace alcap {
 
 class ConnectedSurface;
 
+/// An n-vector field: one complex number per vertex, and the frames that give it meaning.
 struct Field {
-  int n = 1;
+  int n = 1;                             ///< degree
   ComplexVectorX<double> u;              ///< #V, the n-th power of any branch, in vertex frames
   std::shared_ptr<const Frames> frames;  ///< of the vertices; empty only on surfaces that lie in no space
 
@@ -42,7 +43,7 @@ struct Field {
 
 /// The field at the barycenters of the faces in face frames (#F): the closed-form basis of LTGD 2016, Sec. 4.3.
 /// `frames` of the result are those of the faces. Throws OptionError on a surface that lies in no space and when the
-/// field has not one value per vertex.
+/// field does not have one value per vertex.
 [[nodiscard]] Field at_faces(const ConnectedSurface& surface, const Field& field);
 
 /// The other way: a field given per face in face frames (#F), as a field at the vertices (#V). A vertex takes a mean of

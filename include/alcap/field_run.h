@@ -35,6 +35,7 @@ struct NamesOf<Repair> {
   static constexpr auto table = detail::name_table<Repair>({{Repair::weld, "weld"}, {Repair::orient, "orient"}});
 };
 
+/// What run_field() computes, and how.
 struct FieldRunOptions {
   int n = 4;                          // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
   double s = 0.0;                     // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
@@ -53,20 +54,21 @@ struct FieldRunOptions {
 
 /// Something the user should know about a run that worked. `code` is stable, the message is one sentence.
 struct Remark {
-  std::string code = {};
-  bool warning = true;  ///< false: worth a note, nothing to worry about
-  std::string message = {};
+  std::string code = {};          ///< stable, for programs
+  bool warning = true;            ///< false: worth a note, nothing to worry about
+  std::string message = {};       ///< one sentence, for people
   std::int64_t count = 0;         ///< elements concerned, 0 when it is not about elements
   std::vector<Index> first = {};  ///< the first of them, at most 8
 };
 
 /// What must hold for the result to be what it claims to be.
 struct Certificate {
-  bool connection_converged = false;
-  bool eigen_converged = false;   ///< on every component
-  bool residual_small = false;    ///< recomputed residual <= tolerance, on every component
-  bool index_sums_match = false;  ///< Poincare-Hopf, on every component
-  bool finite = false;            ///< no value of the field is NaN or infinite
+  bool connection_converged = false;  ///< the connection reached its tolerance
+  bool eigen_converged = false;       ///< on every component
+  bool residual_small = false;        ///< recomputed residual <= tolerance, on every component
+  bool index_sums_match = false;      ///< Poincare-Hopf, on every component
+  bool finite = false;                ///< no value of the field is NaN or infinite
+  /// All of the above.
   [[nodiscard]] bool holds() const {
     return connection_converged && eigen_converged && residual_small && index_sums_match && finite;
   }
@@ -74,28 +76,32 @@ struct Certificate {
 
 /// Wall-clock seconds.
 struct FieldTimes {
-  double mesh = 0;  ///< repairs, half-edges, topology, lengths and angles
-  double connection = 0;
-  double assembly = 0;
-  double eigen = 0;
-  double analysis = 0;  ///< vertex frames, indices, zeros, certificate
+  double mesh = 0;        ///< repairs, half-edges, topology, lengths and angles
+  double connection = 0;  ///< the connection
+  double assembly = 0;    ///< S and M
+  double eigen = 0;       ///< the eigensolver, all components
+  double analysis = 0;    ///< vertex frames, indices, zeros, certificate
 };
 
 /// Everything a run computed. Vertices and faces are numbered as they came.
 struct FieldRun {
-  ConnectedSurface surface;
-  Field field;
+  ConnectedSurface surface;                ///< with the connection
+  Field field;                             ///< the field
   std::vector<EigenReport> eigen;          ///< per component, in the order of topology
   std::vector<int> indices;                ///< #F, in n-ths
   std::vector<IndexSum> index_sums;        ///< per component
   std::vector<Singularity> singularities;  ///< in order of faces
-  Certificate certificate;
-  std::vector<Remark> remarks;
-  FieldTimes times;
+  Certificate certificate;                 ///< what was checked
+  std::vector<Remark> remarks;             ///< what deserves mention
+  FieldTimes times;                        ///< wall clock
 
+  /// Half-edges.
   [[nodiscard]] const Mesh& mesh() const { return surface.mesh(); }
+  /// Lengths, angles, areas.
   [[nodiscard]] const Geometry& geometry() const { return surface.geometry(); }
+  /// Components, boundary loops.
   [[nodiscard]] const Topology& topology() const { return surface.topology(); }
+  /// The connection.
   [[nodiscard]] const Connection& connection() const { return surface.connection(); }
 };
 

@@ -15,10 +15,12 @@
 
 namespace alcap {
 
+/// Unit axes and normals of vertices or of faces.
 struct Frames {
   Positions<double> X;  ///< one unit tangent axis per element; zero where the element is not used
   Positions<double> N;  ///< one unit normal per element; zero where the element is not used
 
+  /// The second axis, N x X.
   [[nodiscard]] Eigen::Matrix<double, 1, 3> Y(Index element) const;
   /// The tangent vector with component z in the frame of an element.
   [[nodiscard]] Eigen::Matrix<double, 1, 3> vector(Index element, Complex<double> z) const;

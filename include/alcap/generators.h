@@ -17,8 +17,8 @@ namespace alcap {
 
 /// Vertices (#V x 3) and triangles (#F x 3).
 struct MeshData {
-  Positions<double> V;
-  Faces F;
+  Positions<double> V;  ///< points
+  Faces F;              ///< triangles
 };
 
 // ---- one face to twelve
@@ -54,8 +54,8 @@ struct MeshData {
 
 /// The unit square with opposite sides glued: intrinsic, it has no embedding in space.
 struct FlatTorus {
-  std::int64_t vertices = 0;
-  Faces F;
+  std::int64_t vertices = 0;  ///< how many
+  Faces F;                    ///< #F x 3
   /// #F x 3: the length of halfedge 3 t + c at (t, c).
   Positions<double> lengths;
 };

@@ -13,23 +13,26 @@
 
 namespace alcap {
 
+/// Lengths, angles and areas of a mesh. Immutable, safe to share between threads.
 class Geometry {
  public:
   Geometry() = default;
 
   /// From positions (#V x 3). Throws MeshError (not_finite, zero_length_edge, zero_area_face) naming the elements,
-  /// OptionError when V has not mesh.vertices() rows.
+  /// OptionError when V does not have mesh.vertices() rows.
   Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& V);
 
   /// From edge lengths (#E, in the order of mesh edges): an intrinsic surface, such as a flat torus, that need not lie
   /// in space. Throws MeshError (zero_area_face) when the triangle inequality fails.
   [[nodiscard]] static Geometry from_lengths(const Mesh& mesh, const VectorX<double>& lengths);
 
+  /// Length of edge e.
   [[nodiscard]] double length(Index e) const { return length_[e]; }
   /// Interior angle of corner c, in (0, pi).
   [[nodiscard]] double angle(Index c) const { return angle_[c]; }
   /// Cotangent of the angle of corner c.
   [[nodiscard]] double cot(Index c) const { return cot_[c]; }
+  /// Area of face t.
   [[nodiscard]] double area(Index t) const { return area_[t]; }
   /// Sum of the corner angles around vertex v.
   [[nodiscard]] double angle_sum(Index v) const { return angle_sum_[v]; }
@@ -43,9 +46,13 @@ class Geometry {
     return c == 0 ? double(0) : c == 1 ? pi<double> - angle_[h] : pi<double> + angle_[h - 2];
   }
 
+  /// #E.
   [[nodiscard]] const VectorX<double>& lengths() const { return length_; }
+  /// 3 #F, by corner.
   [[nodiscard]] const VectorX<double>& angles() const { return angle_; }
+  /// 3 #F, by corner.
   [[nodiscard]] const VectorX<double>& cots() const { return cot_; }
+  /// #F.
   [[nodiscard]] const VectorX<double>& areas() const { return area_; }
   /// Sum of all areas, over fixed chunks.
   [[nodiscard]] double total_area() const { return total_area_; }

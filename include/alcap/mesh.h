@@ -17,6 +17,7 @@
 
 namespace alcap {
 
+/// Half-edges of an oriented manifold. Immutable, safe to share between threads.
 class Mesh {
  public:
   Mesh() = default;
@@ -27,18 +28,30 @@ class Mesh {
   /// kept: std::move them where memory counts.
   Mesh(Faces F, std::int64_t vertex_count);
 
+  /// How many, unreferenced ones included.
   [[nodiscard]] Index vertices() const { return vertex_count_; }
+  /// How many.
   [[nodiscard]] Index faces() const { return static_cast<Index>(F_.rows()); }
+  /// How many.
   [[nodiscard]] Index edges() const { return static_cast<Index>(edge_halfedge_.size()); }
+  /// 3 x faces.
   [[nodiscard]] Index halfedges() const { return 3 * faces(); }
+  /// How many.
   [[nodiscard]] Index boundary_edges() const { return boundary_edges_; }
+  /// How many vertices faces use.
   [[nodiscard]] Index referenced_vertices() const { return referenced_; }
+  /// #F x 3, as given.
   [[nodiscard]] const Faces& F() const { return F_; }
 
+  /// The face of halfedge h.
   [[nodiscard]] static Index face(Index h) { return h / 3; }
+  /// The next halfedge of the face.
   [[nodiscard]] static Index next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  /// The one before in the face.
   [[nodiscard]] static Index prev(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
+  /// The vertex that halfedge h starts at.
   [[nodiscard]] Index tail(Index h) const { return F_.data()[h]; }
+  /// The vertex that halfedge h ends at.
   [[nodiscard]] Index tip(Index h) const { return F_.data()[next(h)]; }
 
   /// The halfedge on the other side, or `none` on the boundary.
@@ -48,7 +61,7 @@ class Mesh {
   /// The canonical halfedge of edge e.
   [[nodiscard]] Index halfedge(Index e) const { return edge_halfedge_[e]; }
   /// The halfedge from vertex i to vertex j; `none` when no edge joins them, when i = j, and when the edge lies on the
-  /// boundary and its only halfedge runs from j to i. Throws OptionError for a number that is no vertex's. O(valence).
+  /// boundary and its only halfedge runs from j to i. Throws OptionError for a number that is not a vertex. O(valence).
   [[nodiscard]] Index halfedge(Index i, Index j) const;
   /// The edge that joins vertices i and j, in either direction; `none` when there is none. Throws OptionError for a
   /// number that is no vertex's. O(valence).
@@ -66,8 +79,11 @@ class Mesh {
     return n == first(v) ? none : n;
   }
 
+  /// Whether halfedge h has no twin.
   [[nodiscard]] bool boundary_halfedge(Index h) const { return twin(h) == none; }
+  /// Whether vertex v lies on the boundary.
   [[nodiscard]] bool boundary_vertex(Index v) const { return first(v) != none && twin(first(v)) == none; }
+  /// Whether a face uses vertex v.
   [[nodiscard]] bool referenced(Index v) const { return first(v) != none; }
   /// Throws OptionError for the argument `name` when v is the number of no vertex.
   void check_vertex(const char* name, Index v) const;

@@ -18,9 +18,9 @@ namespace alcap {
 
 /// One kind of defect: how many elements have it and which come first.
 struct DefectReport {
-  Defect defect{};
-  Element element{};
-  std::int64_t count = 0;
+  Defect defect{};         ///< what is wrong
+  Element element{};       ///< what `first` lists
+  std::int64_t count = 0;  ///< how many elements are concerned
   /// The first offenders (at most 8): vertex or face numbers, or pairs of vertices for edges.
   std::vector<Index> first;
   /// One sentence with the count, the names and the remedy.

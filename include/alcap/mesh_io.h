@@ -27,7 +27,9 @@
 
 namespace alcap {
 
+/// How a mesh file is read.
 struct ReadOptions {
+  /// What becomes of faces with more than three corners.
   enum class Polygons { triangulate, refuse };
 
   /// What to do with faces of more than three corners. `triangulate` keeps all vertices and adds none: a polygon whose
@@ -52,8 +54,8 @@ struct NamesOf<ReadOptions::Polygons> {
 struct MeshFile {
   /// Lines (OBJ) or elements (PLY) of one kind that carry no surface, such as "vt", "l" or "edge".
   struct Ignored {
-    std::string kind;
-    std::int64_t count = 0;
+    std::string kind;        ///< as the file calls it
+    std::int64_t count = 0;  ///< how many
   };
 
   Positions<double> V;            ///< #V x 3, in the units of the file; all finite

@@ -37,6 +37,7 @@ struct NamesOf<OperatorKind> {
       detail::name_table<OperatorKind>({{OperatorKind::edge, "edge"}, {OperatorKind::triangle, "triangle"}});
 };
 
+/// Which operators are built.
 struct OperatorOptions {
   int n = 1;                               // 1 vector field, 2 line field, 4 cross field; any integer is legal
   OperatorKind kind = OperatorKind::edge;  // sums over patches are exact, and so is E_A - E_H nearly
@@ -47,7 +48,7 @@ struct OperatorOptions {
 /// The kernel of P holds the fields without divergence and curl, that of Q those without reflected pair: constants on
 /// flat pieces, usually nothing elsewhere.
 struct FirstOrderOperators {
-  OperatorOptions options;
+  OperatorOptions options;   ///< what they were built with
   ComplexVectorX<double> p;  ///< 3 #F, units of length
   ComplexVectorX<double> q;  ///< 3 #F, units of length
 };
@@ -70,6 +71,7 @@ struct FirstOrderOperators {
 [[nodiscard]] ComplexVectorX<double> apply_adjoint(const Mesh& mesh, const ComplexVectorX<double>& coefficients,
                                                    const ComplexVectorX<double>& faces);
 
+/// One row per face, one column per vertex.
 using FaceVertexMatrix = Eigen::SparseMatrix<Complex<double>, Eigen::RowMajor, Index>;
 
 /// p or q as a sparse matrix, #F x #V, columns sorted in each row.
@@ -83,6 +85,7 @@ struct OperatorEnergies {
   double holomorphic = 0;      ///< E_H, vanishes where the reflected pair does
   [[nodiscard]] double dirichlet() const { return (antiholomorphic + holomorphic) / 2; }  ///< 1/2 integral |grad u|^2
 };
+/// The energies of a field from its operators. Throws OptionError for arrays of another mesh.
 [[nodiscard]] OperatorEnergies operator_energies(const Surface& surface, const FirstOrderOperators& operators,
                                                  const ComplexVectorX<double>& u);
 [[nodiscard]] OperatorEnergies operator_energies(const Mesh& mesh, const Geometry& geometry,
@@ -99,7 +102,8 @@ struct OperatorEnergies {
 
 /// An n-field and its covariant derivatives at a point, in the frame of the face.
 struct FieldValue {
-  Complex<double> u;       ///< the n-vector
+  Complex<double> u;  ///< the n-vector
+  /// Derivatives along the axes of the frame, per unit of length.
   Complex<double> d1, d2;  ///< derivatives along the frame's axes, per unit of length
 
   /// Derivative along the tangent vector w (a complex number in the face frame).
@@ -110,7 +114,9 @@ struct FieldValue {
   [[nodiscard]] Complex<double> reflected() const { return d1 + Complex<double>(-d2.imag(), d2.real()); }
   /// The Cauchy-Riemann (antiholomorphic) derivative, half of the reflected pair.
   [[nodiscard]] Complex<double> cauchy_riemann() const { return reflected() / double(2); }
+  /// Divergence (n = 1).
   [[nodiscard]] double div() const { return div_curl().real(); }
+  /// Curl (n = 1), positive for counter-clockwise circulation.
   [[nodiscard]] double curl() const { return div_curl().imag(); }
   /// |grad u|^2, its integral is twice the Dirichlet energy.
   [[nodiscard]] double squared_gradient() const { return std::norm(d1) + std::norm(d2); }
@@ -118,7 +124,7 @@ struct FieldValue {
 
 /// A field inside one face: everything needed to evaluate it there many times.
 struct FaceField {
-  double n = 1;
+  double n = 1;                           ///< degree
   std::array<double, 3> rho{};            ///< vertex frame to face frame per corner
   std::array<double, 3> tau{};            ///< lifted rotation per halfedge
   std::array<Complex<double>, 3> grad{};  ///< gradients of the hat functions in the face frame

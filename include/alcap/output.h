@@ -30,7 +30,7 @@ namespace alcap {
 
 /// A number per face that is to go into a file under a name, such as the integrated divergence.
 struct FaceScalars {
-  std::string name;
+  std::string name;                ///< of the array in the file
   std::span<const double> values;  ///< #F
 };
 

@@ -33,6 +33,7 @@ struct FeatureLine {
   bool closed = false;          ///< the end is the start; the only vertex on the way that may be a corner
 };
 
+/// Feature edges, the vertices they meet at, and the lines they form.
 struct FeatureGraph {
   std::vector<Index> edges;             ///< in ascending order
   std::vector<double> angles;           ///< of each of them: see dihedral_angle()
@@ -46,6 +47,7 @@ struct FeatureGraph {
 // Both angles default to 40 degrees. Chamfers of 45 degrees, the flattest edges that CAD models are commonly given, are
 // sharp; a cylinder or circle that a tessellation cut into ten pieces or more (36 degrees) is round. On models with
 // clear edges the exact value matters little: fandisk has the same 35 lines from 30 to 60 degrees.
+/// Which edges are sharp, and where their lines break.
 struct SharpEdgeOptions {
   double angle = 40 * pi<double> / 180;  // radians, in (0, pi]: edges whose faces turn by at least this are sharp
   double corner_angle = 40 * pi<double> / 180;  // radians, in (0, pi]: lines that turn by at least this break there

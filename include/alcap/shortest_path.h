@@ -17,7 +17,7 @@ namespace alcap {
 /// equal, empty when they lie on different components or a face uses only one of them. The way back is the same path
 /// reversed: the search always starts at the smaller number. Of several shortest paths, each vertex is reached from
 /// the neighbour that is nearest to that start, and among those equally near from the one with the smallest number.
-/// Throws OptionError for a number that is no vertex's. O(k log k) for the k vertices that are nearer than the end.
+/// Throws OptionError for a number that is not a vertex. O(k log k) for the k vertices that are nearer than the end.
 [[nodiscard]] std::vector<Index> shortest_path(const Surface& surface, Index from, Index to);
 
 }  // namespace alcap

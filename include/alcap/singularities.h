@@ -23,14 +23,16 @@ namespace alcap {
 
 class ConnectedSurface;
 
+/// A face of non-zero index.
 struct Singularity {
-  Index face = none;
+  Index face = none;                    ///< the face it lies in
   std::array<double, 3> barycentric{};  ///< where the field vanishes inside the face; the barycenter when not found
   int index = 0;                        ///< in n-ths: a cross field's +1/4 has index 1, n = 4
-  /// Turn of the pattern around its own centre, radians, in the face's frame: theta in u ~ r exp(i(...)), see docs.
+  /// Turn of the pattern around its own centre, radians, in the face's frame: see SingularityTarget::orientation.
   double orientation = 0;
   bool located = false;  ///< whether the zero was found inside the face to rounding
 
+  /// The zero as a point of the surface.
   [[nodiscard]] SurfacePoint point() const { return {face, barycentric}; }
 };
 
@@ -40,6 +42,7 @@ struct Singularity {
   return position(surface, singularity.point());
 }
 
+/// Poincare-Hopf on one component: what the indices sum to and what they should.
 struct IndexSum {
   std::int64_t sum = 0;       ///< sum of face counts (n-ths)
   std::int64_t expected = 0;  ///< n chi + turns of the field along the boundary loops relative to their tangents

@@ -18,6 +18,7 @@ namespace alcap {
 
 class ConnectedSurface;
 
+/// Which field is the smoothest.
 struct SmoothestOptions {
   int n = 1;  // 1 vector field, 2 line field, 4 cross field
   /// Knoeppel et al. 2013, energy family E_s = (1+s) E_H + (1-s) E_A, s in [-1, 1]. 0 is the Dirichlet energy.
@@ -25,12 +26,13 @@ struct SmoothestOptions {
   EigenOptions eigen = {};  // tolerance, backend; its cancel is honoured in the assembly as well
 };
 
+/// The smoothest field and how it was found.
 struct SmoothestResult {
-  Field field;
+  Field field;  ///< the field
   /// One per connected component of the mesh, in the order of topology.h.
   std::vector<EigenReport> components;
-  double assembly_seconds = 0;
-  double eigen_seconds = 0;
+  double assembly_seconds = 0;  ///< wall clock
+  double eigen_seconds = 0;     ///< wall clock
 };
 
 /// The smoothest n-vector field: per component the smallest eigenpair of E_s against the mass matrix, with |u|_M = 1.

@@ -22,21 +22,23 @@
 
 namespace alcap {
 
+/// The sparse matrices of this library: column-compressed, 32-bit indices.
 template <class Scalar>
 using SparseMatrix = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, Index>;
 
 /// What a linear solve did. Times in seconds.
 struct SolveReport {
-  std::string solver;  ///< the backend and its choices, e.g. "cholmod (metis)"
-  bool converged = false;
-  int iterations = 0;   ///< 0 for direct solvers
-  double residual = 0;  ///< max over columns of |A x - b| / |b|, recomputed
-  double analyse_seconds = 0;
-  double factorise_seconds = 0;
-  double solve_seconds = 0;
+  std::string solver;                ///< the backend and its choices, e.g. "cholmod (metis)"
+  bool converged = false;            ///< whether the tolerance was reached
+  int iterations = 0;                ///< 0 for direct solvers
+  double residual = 0;               ///< max over columns of |A x - b| / |b|, recomputed
+  double analyse_seconds = 0;        ///< ordering and symbolic analysis
+  double factorise_seconds = 0;      ///< numeric factorisation
+  double solve_seconds = 0;          ///< all right-hand sides
   std::int64_t factor_nonzeros = 0;  ///< of the factor or the hierarchy
 };
 
+/// Which linear backend is used, and how.
 struct SolverOptions {
   /// "auto" picks the fastest compiled-in backend when it sees the matrix; see linear_solvers() for the names.
   std::string name = "auto";
@@ -85,6 +87,7 @@ class LinearSolver {
   [[nodiscard]] virtual std::optional<HalfSolution<Scalar>> half_solve(const SparseMatrix<Scalar>&) const {
     return std::nullopt;
   }
+  /// What it is, for reports.
   [[nodiscard]] virtual std::string name() const = 0;
 };
 
@@ -104,6 +107,7 @@ template <class Scalar>
 void hermitian_product(const SparseMatrix<std::complex<double>>& A, const std::complex<double>* x,
                        std::complex<double>* y);
 
+/// How the smallest eigenpair is computed.
 struct EigenOptions {
   /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked.
   double tolerance = 1e-8;
@@ -117,19 +121,20 @@ struct EigenOptions {
 
 /// What an eigensolve did.
 struct EigenReport {
-  std::string solver;  ///< e.g. "shift-invert Lanczos, cholmod (amd)"
-  bool converged = false;
-  int iterations = 0;   ///< operator applications (linear solves)
-  double lambda = 0;    ///< smallest eigenvalue
-  double next = 0;      ///< the next one, counted with multiplicity as far as found
-  double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
-  double seconds = 0;
-  std::string message;  ///< empty when all is well; says why when the tolerance was not reached
+  std::string solver;      ///< e.g. "shift-invert Lanczos, cholmod (amd)"
+  bool converged = false;  ///< whether the tolerance was reached
+  int iterations = 0;      ///< operator applications (linear solves)
+  double lambda = 0;       ///< smallest eigenvalue
+  double next = 0;         ///< the next one, counted with multiplicity as far as found
+  double residual = 0;     ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
+  double seconds = 0;      ///< wall clock
+  std::string message;     ///< empty when all is well; says why when the tolerance was not reached
 };
 
+/// An eigenvector and how it was found.
 struct EigenResult {
   ComplexVectorX<double> u;  ///< |u|_M = 1, phase fixed: the entry of largest modulus region is positive real
-  EigenReport report;
+  EigenReport report;        ///< how it was found
 };
 
 /// Names of the eigensolvers: those of the library, then those registered (backends.h).

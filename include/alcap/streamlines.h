@@ -55,8 +55,10 @@ struct CurveSet {
   /// #P: the segment from point i - 1 to point i lies in faces[i], for the first point of a curve that of the second.
   std::vector<Index> faces;
   std::vector<std::int64_t> offsets{0};  ///< #curves + 1: curve k has the points offsets[k] to offsets[k + 1] - 1
+  /// Why each curve starts where it does.
   std::vector<CurveEnd> start_reason, end_reason;  ///< #curves
 
+  /// How many curves.
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(offsets.size()) - 1; }
   /// Length of curve k: the sum of its segments.
   [[nodiscard]] double length(std::int64_t k) const;
@@ -67,8 +69,8 @@ struct CurveSet {
 /// Where a curve starts, and along which branch: the one whose direction is nearest to the angle, in radians, in the
 /// frame of the face (halfedge 3 t).
 struct CurveSeed {
-  SurfacePoint point;
-  double angle = 0;
+  SurfacePoint point;  ///< where the curve starts
+  double angle = 0;    ///< direction there, radians in the frame of the face
 };
 
 /// From a seed: along the branch, against it, or both ways in one curve.
@@ -79,6 +81,7 @@ struct NamesOf<CurveSides> {
       {{CurveSides::both, "both"}, {CurveSides::forward, "forward"}, {CurveSides::backward, "backward"}});
 };
 
+/// How curves are traced and spaced.
 struct StreamlineOptions {
   /// Distance between neighbouring curves of one family, in box diagonals, so that a picture of the whole shows the
   /// same density on every mesh. 0.01: some sixty curves across a compact shape, distinct at 1000 pixels.

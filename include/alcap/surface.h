@@ -21,6 +21,7 @@
 
 namespace alcap {
 
+/// A mesh with points, half-edges, lengths and topology; a handle, cheap to copy.
 class Surface {
  public:
   /// No surface; only good for being assigned to.
@@ -28,7 +29,7 @@ class Surface {
 
   /// From points (#V x 3) and counter-clockwise triangles (#F x 3); which types is said in arrays.h. Vertices and faces
   /// keep their numbers. Throws MeshError naming the elements where Mesh and Geometry do, OptionError for arrays that
-  /// have not three columns. O(V + F).
+  /// do not have three columns. O(V + F).
   template <class Points, class Triangles>
   Surface(Points&& V, Triangles&& F)
       : Surface(Made{}, as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F))) {}
@@ -45,8 +46,11 @@ class Surface {
   /// V(), or OptionError on an intrinsic surface: for functions that need points.
   [[nodiscard]] const Positions<double>& positions() const;
   [[nodiscard]] const Faces& F() const { return parts_->mesh.F(); }  ///< #F x 3
+  /// Half-edges.
   [[nodiscard]] const Mesh& mesh() const { return parts_->mesh; }
+  /// Lengths, angles, areas.
   [[nodiscard]] const Geometry& geometry() const { return parts_->geometry; }
+  /// Components, boundary loops.
   [[nodiscard]] const Topology& topology() const { return parts_->topology; }
 
  private:

@@ -16,16 +16,17 @@ namespace alcap {
 
 /// A point of the surface: barycentric coordinates, summing to 1, in a face.
 struct SurfacePoint {
-  Index face = none;
-  std::array<double, 3> barycentric{};
+  Index face = none;                    ///< the face
+  std::array<double, 3> barycentric{};  ///< its coordinates there
 };
 
 /// A straight piece of a path inside one face, of positive length.
 struct SurfaceSegment {
-  Index face = none;
+  Index face = none;  ///< the face it lies in
+  /// Barycentric coordinates of both ends, not negative, summing to 1.
   std::array<double, 3> a{}, b{};  ///< barycentric coordinates of both ends, not negative, summing to 1
   Complex<double> tangent = 1;     ///< unit direction from a to b in the face's frame (halfedge 3 t)
-  double length = 0;
+  double length = 0;               ///< its length
 
   /// Barycentric coordinates at the fraction s in [0, 1] of the way.
   [[nodiscard]] std::array<double, 3> at(double s) const {
@@ -36,10 +37,12 @@ struct SurfaceSegment {
 /// Segments in order: each starts where the one before ends, in the same face or across an edge, or, where the path
 /// passes through a vertex, in another face of that vertex.
 struct SurfacePolyline {
-  std::vector<SurfaceSegment> segments;
-  bool closed = false;  ///< the end is the start
+  std::vector<SurfaceSegment> segments;  ///< in order
+  bool closed = false;                   ///< the end is the start
 
+  /// The sum of the segments.
   [[nodiscard]] double length() const;
+  /// The same line the other way round.
   [[nodiscard]] SurfacePolyline reversed() const;
 };
 

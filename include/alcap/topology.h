@@ -20,23 +20,24 @@ class Surface;
 
 /// A closed path given by the halfedges it follows (a boundary loop) or crosses (a generator), in order.
 struct Loop {
-  Index component = none;
-  std::vector<Index> halfedges;
+  Index component = none;        ///< which component it bounds
+  std::vector<Index> halfedges;  ///< in order, the surface on their left
 };
 
 /// One connected component of the faces and their vertices.
 struct ComponentInfo {
-  Index vertices = 0;
-  Index edges = 0;
-  Index faces = 0;
+  Index vertices = 0;  ///< that faces use
+  Index edges = 0;     ///< how many
+  Index faces = 0;     ///< how many
   /// vertices - edges + faces = 2 - 2 genus - boundary_loops.
   Index euler = 0;
-  Index genus = 0;
-  Index boundary_loops = 0;
+  Index genus = 0;           ///< number of handles
+  Index boundary_loops = 0;  ///< how many
   /// The smallest face.
   Index first_face = none;
 };
 
+/// Components, boundary loops and the Euler characteristic of a mesh.
 struct Topology {
   /// In the order of their smallest faces.
   std::vector<ComponentInfo> components;
@@ -68,10 +69,10 @@ struct Topology {
 
 /// A part of a mesh as a mesh of its own, and where its elements come from.
 struct Piece {
-  Positions<double> V;
-  Faces F;
+  Positions<double> V;  ///< its points
+  Faces F;              ///< its triangles, in its own numbers
   /// Number in the whole mesh of each vertex and face of the piece, ascending.
-  std::vector<Index> vertices, faces;
+  std::vector<Index> vertices, faces;  ///< their numbers in the whole mesh
 };
 
 /// One component as a mesh of its own; elements keep their order. O(V + F). Throws OptionError when there is no such

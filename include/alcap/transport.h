@@ -22,6 +22,7 @@
 
 namespace alcap {
 
+/// What became of a vector on its way.
 struct Transported {
   Complex<double> z;  ///< the component in the frame at the end: z_start exp(i n turn)
   /// Radians, counter-clockwise, for n = 1: how far the component has turned against the frames on the way. A true
@@ -36,8 +37,8 @@ struct Transported {
 
 /// Along edges: each vertex is joined with the next one, repeated vertices stand still. z is in the frame of the first
 /// vertex, the result in that of the last, n the degree of the field that z is a value of (z = w^n for a vector w). The
-/// path is closed when its last vertex is the first. Throws OptionError for an empty path, numbers that are no
-/// vertices', and, naming them, vertices that no edge joins (shortest_path.h finds those between them).
+/// path is closed when its last vertex is the first. Throws OptionError for an empty path, numbers that are not
+/// vertices, and, naming them, vertices that no edge joins (shortest_path.h finds those between them).
 [[nodiscard]] Transported transport(const ConnectedSurface& surface, const std::vector<Index>& vertices,
                                     Complex<double> z, int n = 1);
 
