@@ -170,7 +170,8 @@ void check(const MeshData& surface, const GlobalOptions& options) {
   CHECK(c.report.converged);
   CHECK(c.report.D_T == doctest::Approx(expected.D_T).epsilon(1e-9));
   CHECK(c.report.D_E == doctest::Approx(expected.D_E).epsilon(1e-9));
-  CHECK((c.K - expected.K).cwiseAbs().maxCoeff() < 1e-9 * expected.K.cwiseAbs().maxCoeff());
+  // A cylinder is flat: its K is the rounding of angles.
+  CHECK((c.K - expected.K).cwiseAbs().maxCoeff() < 1e-9 * std::max(1e-3, expected.K.cwiseAbs().maxCoeff()));
 }
 
 }  // namespace
