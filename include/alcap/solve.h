@@ -49,7 +49,7 @@ struct SolverOptions {
   int max_iterations = 1000;  // iterative backends
   /// Asked before every analysis, factorisation and solve, and by iterative backends in every iteration; true ends the
   /// call with Cancelled, and the solver can be used again. So does a RunControl around the call (control.h). An
-  /// ordering or factorisation that has begun is not interrupted: of all that can take long, it is the only part. Ask for
+  /// ordering or factorisation that has begun is not interrupted, and is the only part that can take long: ask for
   /// "multigrid" where that matters. May be called on several threads at once;
   /// what it throws reaches the caller. Example: a std::stop_token's stop_requested().
   std::function<bool()> cancel = {};
