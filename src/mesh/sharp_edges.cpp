@@ -32,8 +32,7 @@ void check_angle(const char* name, double angle) {
 bool is_edge(const Surface& surface, Index e) { return e >= 0 && e < surface.mesh().edges(); }
 
 [[noreturn]] void refuse_edge(const Surface& surface, const std::string& name, Index e) {
-  throw OptionError(name, e,
-                    "there is no such edge; the mesh has " + std::to_string(surface.mesh().edges()));
+  throw OptionError(name, e, "there is no such edge; the mesh has " + std::to_string(surface.mesh().edges()));
 }
 
 Row direction(const Surface& surface, Index from, Index to) {

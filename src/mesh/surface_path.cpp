@@ -27,8 +27,7 @@ Eigen::RowVector3d position(const Surface& surface, const SurfacePoint& point) {
   const Positions<double>& positions = surface.positions();
   const Index faces = surface.mesh().faces();
   if (point.face < 0 || point.face >= faces)
-    throw OptionError("point.face", point.face,
-                      "there is no such face; the mesh has " + std::to_string(faces));
+    throw OptionError("point.face", point.face, "there is no such face; the mesh has " + std::to_string(faces));
   return position(surface.mesh(), positions, point);
 }
 
