@@ -29,8 +29,8 @@ function(alcap_private_flags target)
 endfunction()
 
 # alcap_harden(target): what makes a bug with a broken input file end the program rather than do what the file says: checked
-# stack frames and string functions, random addresses, and tables of functions that cannot be written to. It costs no time
-# that can be measured. Not in debug builds and not with sanitizers, which look closer. Test hardened_binary.
+# stack frames and string functions, random addresses, and tables of functions that cannot be written to. Not in
+# debug builds and not with sanitizers, which look closer. Test hardened_binary.
 function(alcap_harden target)
   if(NOT ALCAP_HARDENED OR CMAKE_CXX_FLAGS MATCHES "fsanitize")
     return()

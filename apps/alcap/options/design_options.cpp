@@ -179,14 +179,7 @@ void add_singularities(cli::App& app, DesignFlags& flags, const char* option, Si
   });
 }
 
-}  // namespace
-
-void add_design_options(cli::App& app, DesignFlags& flags) {
-  app.add_option("--design", flags.file, "The design as JSON (docs/design.md); flags add to it")->type_name("FILE");
-  app.add_option("-n,-r,--degree,--rosy", flags.n,
-                 "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal. Default: the design file's, or 1")
-      ->type_name("N")
-      ->check(cli::Range(1, 1000));
+void add_singularity_options(cli::App& app, DesignFlags& flags) {
   add_singularities(app, flags, "--source", SingularityKind::source,
                     "Singularity of index +1/n in this face. n = 1: a source that ANGLE (degrees) turns into a "
                     "spiral; otherwise ANGLE is the direction of a branch, from the face's first edge");
@@ -219,6 +212,9 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
       ->group("Controls");
   app.add_flag("--pin", flags.pin, "Zeros of the singularities given as flags lie at the centers of their faces")
       ->group("Controls");
+}
+
+void add_constraint_options(cli::App& app, DesignFlags& flags) {
   add_list(
       app, "--fix", "VERTEX:DIRECTION",
       "The field at a vertex: VERTEX:X,Y,Z a direction of space, VERTEX:ANGLE degrees from the vertex frame's axis",
@@ -232,6 +228,9 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
   add_list(app, "--stroke", "FILE[:WEIGHT]",
            "The field follows polylines of points \"x y z\", one a line, empty lines between strokes; default weight 1",
            [&flags](const std::string& text) { flags.strokes.push_back(text); });
+}
+
+void add_alignment_options(cli::App& app, DesignFlags& flags) {
   app.add_option_function<double>(
          "--align-curvature",
          [&flags](double t) { flags.guidance = DesignGuidance{.source = DesignGuidance::Source::curvature, .t = t}; },
@@ -252,6 +251,9 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
          "--align-boundary-normal", [&flags](std::int64_t) { flags.boundary = {.wanted = true, .normal = true}; },
          "The field runs into the boundary at a right angle")
       ->group("Controls");
+}
+
+void add_method_options(cli::App& app, DesignFlags& flags) {
   app.add_option_function<std::string>(
          "--method",
          [&flags](const std::string& method) {
@@ -266,6 +268,20 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
       ->type_name("S")
       ->check(cli::Range(-1.0, 1.0))
       ->group("Solver");
+}
+
+}  // namespace
+
+void add_design_options(cli::App& app, DesignFlags& flags) {
+  app.add_option("--design", flags.file, "The design as JSON (docs/design.md); flags add to it")->type_name("FILE");
+  app.add_option("-n,-r,--degree,--rosy", flags.n,
+                 "Symmetry: 1 vectors, 2 lines, 4 crosses, 6 hexagonal. Default: the design file's, or 1")
+      ->type_name("N")
+      ->check(cli::Range(1, 1000));
+  add_singularity_options(app, flags);
+  add_constraint_options(app, flags);
+  add_alignment_options(app, flags);
+  add_method_options(app, flags);
   add_connection_options(app, flags.connection);
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
 }
