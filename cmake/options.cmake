@@ -10,7 +10,7 @@ option(ALCAP_INSTALL "Add the install rules" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_WITH_CHOLMOD "Direct solves through SuiteSparse CHOLMOD (Eigen otherwise)" ON)
 option(ALCAP_WITH_PICTURES "Pictures from the command line tool, where OpenGL ES and libpng are found" ON)
 option(ALCAP_NATIVE "Compile for this machine only (-march=native), alcap and everything that links it" OFF)
-option(ALCAP_UNITY "Compile the files of a folder together, which halves a build from nothing" ON)
+option(ALCAP_UNITY "Compile the files of a folder together: a build from nothing is shorter, one of a single file longer" ON)
 option(ALCAP_HARDENED "Stack protector, checked string functions, full RELRO, PIE" ON)
 option(ALCAP_WARNINGS_AS_ERRORS "Fail on compiler warnings" OFF)
 

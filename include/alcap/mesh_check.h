@@ -52,7 +52,7 @@ struct DefectReport {
   ca /= extent;
   const double longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
   const double size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-  // Written out: Eigen/Geometry would double what a consumer of this header compiles.
+  // Written out: Eigen/Geometry would be in every file that includes this header.
   const Eigen::Matrix<double, 1, 3> normal(ca.y() * ab.z() - ca.z() * ab.y(), ca.z() * ab.x() - ca.x() * ab.z(),
                                            ca.x() * ab.y() - ca.y() * ab.x());
   const double twice_area = normal.norm();
