@@ -48,6 +48,8 @@ if(ALCAP_PYTHON)
 endif()
 
 # Users of the library: one finds it installed, one embeds its sources. Both inherit how this build was made.
+find_program(ALCAP_PKG_CONFIG pkg-config)
+mark_as_advanced(ALCAP_PKG_CONFIG)
 string(TOUPPER "${CMAKE_BUILD_TYPE}" config_upper)
 set(consumer_settings
   -D CXX=${CMAKE_CXX_COMPILER} -D LAUNCHER=${CMAKE_CXX_COMPILER_LAUNCHER} -D GENERATOR=${CMAKE_GENERATOR}
@@ -55,8 +57,6 @@ set(consumer_settings
   -D WITH_CHOLMOD=${ALCAP_WITH_CHOLMOD} -D NATIVE=${ALCAP_NATIVE} -D SHARED=${BUILD_SHARED_LIBS} -D WERROR=${ALCAP_WARNINGS_AS_ERRORS}
   -D ALCAP_SOURCE=${PROJECT_SOURCE_DIR} -D ALCAP_BUILD=${PROJECT_BINARY_DIR} -D ALCAP_VERSION=${PROJECT_VERSION}
   -D PKG_CONFIG=${ALCAP_PKG_CONFIG})
-find_program(ALCAP_PKG_CONFIG pkg-config)
-mark_as_advanced(ALCAP_PKG_CONFIG)
 foreach(kind IN ITEMS find_package pkg_config subdirectory)
   if((NOT kind STREQUAL "subdirectory" AND NOT ALCAP_INSTALL) OR (kind STREQUAL "pkg_config" AND NOT ALCAP_PKG_CONFIG))
     continue()
