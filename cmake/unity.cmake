@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # Compiles the files of a folder together: headers are read and templates instantiated once a folder. Editors and clang-tidy
-# want every file on its own: -DALCAP_UNITY=OFF, as preset dev has. (Precompiled headers on top gain 4 % of a build from
-# nothing: the rest is code generation.)
+# want every file on its own: -DALCAP_UNITY=OFF, as preset dev has.
 
 # alcap_unity(target): one translation unit per folder of the target's sources, or several of a folder with more than
 # 700 lines, so that all cores have work. The copies for an instruction set stay alone (they have flags of their own), and
