@@ -5,6 +5,7 @@
 option(ALCAP_BUILD_APPS "Build the command line tool" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_EXAMPLES "Build the programs of docs/recipes.md" ${PROJECT_IS_TOP_LEVEL})
+option(ALCAP_BUILD_PYTHON "Build the extension module of the Python package (pyproject.toml builds the package)" OFF)
 option(ALCAP_BUILD_PERF "Build the benchmarks" OFF)
 option(ALCAP_INSTALL "Add the install rules" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_WITH_CHOLMOD "Direct solves through SuiteSparse CHOLMOD (Eigen otherwise)" ON)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
 # The page as an object file, alcap_embed_page(target), and the library that serves it, alcap_link_studio(target).
-# Included by apps/alcap.
+# Included by apps/alcap/report.cmake.
 function(alcap_embed_page target)
   set(source ${PROJECT_SOURCE_DIR}/apps/viewer)
   set(work ${CMAKE_CURRENT_BINARY_DIR}/viewer)

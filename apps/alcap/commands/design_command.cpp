@@ -98,29 +98,6 @@ DesignRun solve(const DesignOptionsGiven& options, const Inputs& in, Progress& p
   }
 }
 
-Json report_of(const DesignOptionsGiven& options, const Inputs& in, const DesignRun& run,
-               const std::vector<Remark>& remarks) {
-  const DesignCertificate& certificate = run.certificate;
-  Json report = report_head("design", certificate.holds());
-  report["input"] = input_json(options.mesh.path, in.file);
-  report["design"] = design_json(in.design);
-  report["mesh"] = mesh_json(run.surface);
-  report["connection"] = connection_json(run.surface, connection_options(run.design));
-  report["guidance"] = guidance_json(run);
-  report["solve"] = solve_json(run);
-  report["controls"] = controls_json(run);
-  report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
-  report["certificate"] = {{"connection_converged", certificate.connection_converged},
-                           {"eigen_converged", certificate.eigen_converged},
-                           {"residual_small", certificate.residual_small},
-                           {"index_sums_match", certificate.index_sums_match},
-                           {"finite", certificate.finite},
-                           {"controls_met", certificate.controls_met}};
-  report["warnings"] = remarks_json(remarks, true);
-  report["notes"] = remarks_json(remarks, false);
-  return report;
-}
-
 Json times_json(const Inputs& in, const DesignTimes& times, double write, double total) {
   return {{"read", in.read_seconds},    {"mesh", in.mesh_seconds},  {"connection", times.connection},
           {"guidance", times.guidance}, {"prepare", times.prepare}, {"solve", times.solve},
@@ -135,7 +112,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const DesignRun result = solve(options, in, progress);
   std::vector<Remark> remarks = in.remarks;
   remarks.insert(remarks.end(), result.remarks.begin(), result.remarks.end());
-  Json report = report_of(options, in, result, remarks);
+  Json report = design_report(input_json(options.mesh.path, in.file), in.design, result, remarks);
 
   progress.phase("writing");
   const detail::Stopwatch writing;

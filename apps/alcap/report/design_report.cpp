@@ -168,6 +168,29 @@ Json solve_json(const DesignRun& run) {
 
 Json design_json(const DesignFile& design) { return Json::parse(design_text(design)); }
 
+Json design_report(const Json& input, const DesignFile& asked, const DesignRun& run,
+                   const std::vector<Remark>& remarks) {
+  const DesignCertificate& certificate = run.certificate;
+  Json report = report_head("design", certificate.holds());
+  report["input"] = input;
+  report["design"] = design_json(asked);
+  report["mesh"] = mesh_json(run.surface);
+  report["connection"] = connection_json(run.surface, connection_options(run.design));
+  report["guidance"] = guidance_json(run);
+  report["solve"] = solve_json(run);
+  report["controls"] = controls_json(run);
+  report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
+  report["certificate"] = {{"connection_converged", certificate.connection_converged},
+                           {"eigen_converged", certificate.eigen_converged},
+                           {"residual_small", certificate.residual_small},
+                           {"index_sums_match", certificate.index_sums_match},
+                           {"finite", certificate.finite},
+                           {"controls_met", certificate.controls_met}};
+  report["warnings"] = remarks_json(remarks, true);
+  report["notes"] = remarks_json(remarks, false);
+  return report;
+}
+
 Json plan_json(const DesignFile& placed, const Mesh& mesh) {
   Json list = Json::array();
   std::size_t exact = 0;

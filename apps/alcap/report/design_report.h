@@ -4,6 +4,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "alcap/design_run.h"
 #include "apps/alcap/commands/command.h"
@@ -21,6 +22,10 @@ namespace alcap::app {
 
 /// The design itself, as in its file.
 [[nodiscard]] Json design_json(const DesignFile& design);
+
+/// The report of `alcap design` without its `times` and `files`. `asked` is the design as it was given.
+[[nodiscard]] Json design_report(const Json& input, const DesignFile& asked, const DesignRun& run,
+                                 const std::vector<Remark>& remarks);
 
 /// What will be solved: unknowns, rows, controls with their numbers on this mesh.
 [[nodiscard]] Json plan_json(const DesignFile& placed, const Mesh& mesh);
