@@ -58,6 +58,34 @@ export function darkPixels(page) {
   }))));
 }
 
+/** For points of space with their normals (6 numbers each) that face the viewer: which of them have a pixel of this colour, bright or shaded, within two pixels on the canvas. */
+export function drawnAt(page, points, color) {
+  return page.evaluate(({ points, color }) => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => {
+    const { canvas, camera } = alcap.stage;
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const context = copy.getContext('2d');
+    context.drawImage(canvas, 0, 0);
+    const { data } = context.getImageData(0, 0, copy.width, copy.height);
+    const times = (m, v) => [0, 1, 2, 3].map((r) => v.reduce((sum, x, c) => sum + m[4 * c + r] * x, 0));
+    const like = (k) => {
+      const [a, b] = [Math.hypot(...data.subarray(k, k + 3)), Math.hypot(...color)];
+      return a > 60 && color.reduce((sum, x, c) => sum + x * data[k + c], 0) > 0.985 * a * b;
+    };
+    const found = [];
+    for (const [x, y, z, ...normal] of points) {
+      const towards = camera.position.toArray().map((v, c) => v - [x, y, z][c]);
+      if (normal.reduce((sum, v, c) => sum + v * towards[c], 0) < 0.4 * Math.hypot(...normal) * Math.hypot(...towards)) continue;
+      const clip = times(camera.projectionMatrix.elements, times(camera.matrixWorldInverse.elements, [x, y, z, 1]));
+      const column = Math.round((0.5 + clip[0] / clip[3] / 2) * copy.width), row = Math.round((0.5 - clip[1] / clip[3] / 2) * copy.height);
+      let seen = false;
+      for (let i = -2; i <= 2; ++i) for (let j = -2; j <= 2; ++j) seen ||= like(4 * ((row + j) * copy.width + column + i));
+      found.push(seen);
+    }
+    done(found);
+  }))), { points, color });
+}
+
 /** `alcap studio MESH ...`: {url, stop()}. */
 export async function studio(mesh, ...options) {
   const server = spawn(process.env.ALCAP, ['studio', mesh, '--no-open', '--json', ...options], { stdio: ['ignore', 'pipe', 'inherit'] });

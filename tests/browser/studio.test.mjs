@@ -7,7 +7,7 @@ import http from 'node:http';
 import { join } from 'node:path';
 import { after, before, beforeEach, test } from 'node:test';
 
-import { alcap, darkPixels, folder, launch, open, patience, request, studio, unpack } from './browser.mjs';
+import { alcap, darkPixels, drawnAt, folder, launch, open, patience, request, studio, unpack } from './browser.mjs';
 
 let browser, page, server, mesh, place;
 
@@ -144,6 +144,48 @@ test('a stroke drawn with the mouse aligns the field', async () => {
   const drawn = off(await state(), surface);
   assert.ok(drawn < 12, `mean deviation ${drawn} degrees`);
   await page.click('.toolbox [data-value=turn]');
+});
+
+async function brush(...points) {
+  const [x, y] = await middle();
+  const { meta } = await state();
+  await page.click('.toolbox [data-value=stroke]');
+  await page.mouse.move(x + points[0][0], y + points[0][1]);
+  await page.mouse.down();
+  for (let k = 1; k < points.length; ++k) {
+    const [a, b] = [points[k - 1], points[k]];
+    for (let s = 0.1; s <= 1.001; s += 0.1) await page.mouse.move(x + a[0] + s * (b[0] - a[0]), y + a[1] + s * (b[1] - a[1]));
+  }
+  await page.mouse.up();
+  await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
+  await settled();
+  await page.click('.toolbox [data-value=turn]');
+}
+
+test('what an edit adds is drawn: every mark and every part of every stroke has its colour on the canvas', async () => {
+  await drop('source', -90, -60);
+  await brush([-80, 70], [-40, 90]);
+  await drop('saddle', 90, -60);
+  await drop('source', 10, -10);
+  await brush([-20, 60], [40, 80], [90, 40], [120, 60]);
+  const { arrays } = await state();
+  const { singular } = arrays;
+  for (const [sign, color] of [[1, [213, 94, 0]], [-1, [0, 114, 178]]]) {
+    const marks = [];
+    for (let k = 0; k < singular.length; k += 8) if (singular[k + 6] * sign > 0) marks.push(singular.slice(k, k + 6));
+    const seen = await drawnAt(page, marks, color);
+    assert.ok(seen.length > 0);
+    assert.deepEqual(seen, seen.map(() => true), `marks of sign ${sign}`);
+  }
+  const { arrays: { positions: P, faces: F } } = unpack((await request(server.url, '/api/mesh')).body);
+  const middles = design().strokes.flatMap(({ points }) => points.slice(1).map((to, k) => {
+    const [a, b] = [points[k], to].map(({ face, barycentric }) => [0, 1, 2].map((c) => barycentric.reduce((sum, w, j) => sum + w * P[3 * F[3 * face + j] + c], 0)));
+    const x = a.map((v, c) => (v + b[c]) / 2);
+    return [...x, ...x];  // a ball: the normal is the place
+  }));
+  const seen = await drawnAt(page, middles, [15, 118, 110]);
+  assert.ok(seen.length > 15);
+  assert.ok(seen.filter((s) => s).length > 0.95 * seen.length, `${seen}`);
 });
 
 test('undo brings the field of before back, bit for bit; redo the other', async () => {

@@ -51,10 +51,6 @@ export class Lines {
   /** width: world units; widths: least and most in pixels; period: of the swelling, 0 for none. */
   constructor({ color, variable, width, widths = [0.8, 3], lift = 0.0015, opacity = 1, period = 0, taper = false, order = 1 }) {
     this.variable = variable;
-    this.geometry = new InstancedBufferGeometry();
-    this.geometry.setAttribute('position', new Float32BufferAttribute([0, -1, 0, 1, -1, 0, 0, 1, 0, 1, 1, 0], 3));
-    this.geometry.setIndex([0, 1, 2, 2, 1, 3]);
-    this.geometry.instanceCount = 0;
     this.material = new ShaderMaterial({
       vertexShader,
       fragmentShader,
@@ -66,7 +62,7 @@ export class Lines {
         period: { value: period }, taper: { value: taper ? 1 : 0 },
       },
     });
-    this.object = new Mesh(this.geometry, this.material);
+    this.object = new Mesh(ribbon(), this.material);
     this.object.frustumCulled = false;
     this.object.renderOrder = order;
     this.total = 0;
@@ -84,16 +80,20 @@ export class Lines {
 
   /** While the picture moves on a slow machine: only the first curves, which are spread over everything. */
   detail(fraction) {
-    this.geometry.instanceCount = Math.ceil(this.total * fraction);
+    this.object.geometry.instanceCount = Math.ceil(this.total * fraction);
   }
 
   /** 8 floats a segment: start, end, arc length at both. */
   segments(data) {
     const buffer = new InstancedInterleavedBuffer(data, 8, 1);
-    this.geometry.setAttribute('start', new InterleavedBufferAttribute(buffer, 3, 0));
-    this.geometry.setAttribute('end', new InterleavedBufferAttribute(buffer, 3, 3));
-    this.geometry.setAttribute('arc', new InterleavedBufferAttribute(buffer, 2, 6));
-    this.total = this.geometry.instanceCount = data.length / 8;
+    // Three.js never draws more instances of a geometry than it had when it was first drawn.
+    this.object.geometry.dispose();
+    const geometry = ribbon();
+    geometry.setAttribute('start', new InterleavedBufferAttribute(buffer, 3, 0));
+    geometry.setAttribute('end', new InterleavedBufferAttribute(buffer, 3, 3));
+    geometry.setAttribute('arc', new InterleavedBufferAttribute(buffer, 2, 6));
+    this.total = geometry.instanceCount = data.length / 8;
+    this.object.geometry = geometry;
     this.object.visible = this.total > 0 && this.shown !== false;
   }
 
@@ -123,6 +123,15 @@ export class Lines {
     }
     this.segments(data);
   }
+}
+
+/** One segment, to be drawn many times. */
+function ribbon() {
+  const geometry = new InstancedBufferGeometry();
+  geometry.setAttribute('position', new Float32BufferAttribute([0, -1, 0, 1, -1, 0, 0, 1, 0, 1, 1, 0], 3));
+  geometry.setIndex([0, 1, 2, 2, 1, 3]);
+  geometry.instanceCount = 0;
+  return geometry;
 }
 
 function gcd(a, b) {

@@ -48,11 +48,6 @@ export class Marks {
   }
 
   kind(shape, color) {
-    const geometry = new InstancedBufferGeometry();
-    geometry.setAttribute('position', shape.getAttribute('position'));
-    geometry.setAttribute('normal', shape.getAttribute('normal'));
-    if (shape.index) geometry.setIndex(shape.index);
-    geometry.instanceCount = 0;
     const meshes = [true, false].map((rim) => {
       const material = new ShaderMaterial({
         vertexShader,
@@ -64,13 +59,13 @@ export class Marks {
         },
       });
       this.materials.push(material);
-      const mesh = new Mesh(geometry, material);
+      const mesh = new Mesh(copies(shape), material);
       mesh.frustumCulled = false;
       mesh.renderOrder = 4;
       this.object.add(mesh);
       return mesh;
     });
-    return { geometry, meshes };
+    return { shape, meshes };
   }
 
   /** 8 numbers each: position, normal, index, swirl; arms: number of the singularity, direction. */
@@ -87,11 +82,17 @@ export class Marks {
       const [x, y, z] = [singular[s], singular[s + 1], singular[s + 2]];
       segments[singular[s + 6] > 0 ? 0 : 1].push(x, y, z, x + length * arms[k + 1], y + length * arms[k + 2], z + length * arms[k + 3], 0, length);
     }
-    this.kinds.forEach(({ geometry, meshes }, side) => {
+    this.kinds.forEach(({ shape, meshes }, side) => {
+      // A geometry of their own each time, as in Lines.segments().
+      const geometry = copies(shape);
       geometry.setAttribute('center', new InstancedBufferAttribute(new Float32Array(places[side]), 3));
       geometry.setAttribute('scale', new InstancedBufferAttribute(new Float32Array(scales[side]), 1));
       geometry.instanceCount = scales[side].length;
-      for (const m of meshes) m.visible = scales[side].length > 0;
+      for (const m of meshes) {
+        m.geometry.dispose();
+        m.geometry = geometry;
+        m.visible = scales[side].length > 0;
+      }
       this.arms[side].segments(new Float32Array(segments[side]));
     });
   }
@@ -108,4 +109,14 @@ export class Marks {
     for (const m of this.materials) m.uniforms.height.value = height;
     for (const a of this.arms) a.resize(width, height, ratio);
   }
+}
+
+/** A shape, to be drawn many times. */
+function copies(shape) {
+  const geometry = new InstancedBufferGeometry();
+  geometry.setAttribute('position', shape.getAttribute('position'));
+  geometry.setAttribute('normal', shape.getAttribute('normal'));
+  if (shape.index) geometry.setIndex(shape.index);
+  geometry.instanceCount = 0;
+  return geometry;
 }
