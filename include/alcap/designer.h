@@ -14,9 +14,9 @@
 //   result = designer.solve();
 //
 // The matrix is factorised once. Targets change the right-hand side only, and one that has been changed before keeps
-// its own solution, so that turning it costs no solve; pins, fixed vertices and strokes are low-rank (one backsolve per
-// row, kept until the control changes), and beyond DesignerOptions::largest_rank strokes are folded into the matrix,
-// which is then factorised again. One thread at a time.
+// its own solution, so that turning it costs no solve, pinned or not; pins, fixed vertices and strokes are low-rank
+// (one backsolve per row, kept until the control changes), and beyond DesignerOptions::largest_rank strokes are folded
+// into the matrix, which is then factorised again. One thread at a time.
 #pragma once
 
 #include <functional>

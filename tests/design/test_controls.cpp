@@ -252,6 +252,40 @@ TEST_CASE("turning a target that was changed before takes no solve, and many liv
   for (std::size_t k = 0; k < 12; ++k) CHECK(edited.controls[k].met == scratch.controls[k].met);
 }
 
+TEST_CASE("turning a pinned target solves nothing either, and few or many pins give the field of a design made once") {
+  const Case s(jittered_sphere(3, 0.2, 4));
+  const std::array<double, 3> pin{0.2, 0.3, 0.5};
+  const auto target = [&](int k, double angle) {
+    return SingularityTarget{
+        .face = static_cast<Index>(40 * k), .sign = k % 2 ? 1 : -1, .orientation = angle, .pin = pin};
+  };
+  for (const int pins : {1, 3, 16, 20}) {  // beyond 16 the last rows are kept as half solutions, beside the columns
+    CAPTURE(pins);
+    auto designer = s.designer({.n = 4, .guidance_weight = 0.1});
+    std::vector<ControlId> ids;
+    for (int k = 0; k < pins; ++k) {
+      ids.push_back(designer.add(target(k, 0)));
+      if (k == pins / 2) (void)designer.solve();
+    }
+    const ControlId fixed = designer.add(VertexConstraint{.vertex = 17, .direction_only = true});
+    designer.set(ids[0], target(0, 0.1));
+    (void)designer.solve();
+    designer.set(ids[0], target(0, 0.2));
+    const DesignResult edited = designer.solve();
+    CHECK(edited.solves == (pins < 16 ? 0 : 1));
+    auto once = s.designer({.n = 4, .guidance_weight = 0.1, .right_hand_sides = pins + 2});
+    for (const auto& [id, control] : designer.controls()) once.add(control);
+    const DesignResult scratch = once.solve();
+    CHECK(relative(edited.field.u, scratch.field.u) < 1e-8);
+    for (int k = 0; k < pins; ++k) {
+      const ComplexVectorX<double>& u = edited.field.u;
+      const FaceField inside = face_field(s.mesh, s.geometry, s.connection, 4, u, static_cast<Index>(40 * k));
+      CHECK(std::abs(inside.at(pin).u) < 1e-9 * u.cwiseAbs().maxCoeff());
+    }
+    designer.remove(fixed);
+  }
+}
+
 TEST_CASE("the energy family reaches designs: s = 1 and -1 against their matrices") {
   const Case s(bumpy_sphere(2, 0.2, 3));
   const HermitianPattern pattern(s.mesh);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "src/connection/triangle_frame.h"
+#include "src/mesh/position.h"
 
 namespace alcap::detail {
 namespace {

@@ -5,8 +5,9 @@
 // A row r_k u = t_k with compliance c_k (0: exact; 1/weight: soft, weight |r_k u - t_k|^2 in twice the energy) adds
 // multipliers mu: A u + R' mu = b, R u - C mu = t. With Y = A^-1 R': (R Y + C) mu = R A^-1 b - t, u = A^-1 b - Y mu.
 // Where the backend can, R Y comes from half solves, which are cheap for few rows close together, and A^-1 R' mu from
-// one solve more. Rows count twice, as real and imaginary part, so that rows which fix a direction only can stand among
-// them.
+// one solve more, every time. The rows of pins and fixed vertices keep Y itself while there are few: turning a pinned
+// singularity then solves nothing. Rows count twice, as real and imaginary part, so that rows which fix a direction
+// only can stand among them.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,10 @@ using C = Complex<double>;
 using detail::ControlLoad;
 using detail::ControlRow;
 using detail::Prepared;
+
+// So many controls of one row keep their column of Y, if it is one of a design that will be edited: at a million
+// vertices they take 256 MB.
+constexpr std::ptrdiff_t kept_columns = 16;
 
 // Exact rows get this compliance, relative to the others': rows that say the same twice stay solvable.
 constexpr double exact_compliance = 1e-12;
@@ -40,17 +45,25 @@ void Designer::State::solve_rows(Prepared& p, DesignResult& result) const {
     }
   SparseMatrix<C> B(mesh.vertices(), rows);
   B.setFromTriplets(entries.begin(), entries.end());
-  if (auto half = solver->half_solve(B)) {
-    p.half = std::move(*half);
-    return;
+  if (!keeps_column(p)) {
+    if (auto half = solver->half_solve(B)) {
+      p.half = std::move(*half);
+      return;
+    }
   }
   MatrixX<C> X;
   solve(MatrixX<C>(B), X, result);
   p.columns = std::move(X);
 }
 
+bool Designer::State::keeps_column(const Prepared& p) const {
+  const auto single = [](const auto& entry) { return entry.second.load.rows.size() == 1; };
+  return options.right_hand_sides == 0 && p.load.rows.size() == 1 &&
+         std::count_if(prepared.begin(), prepared.end(), single) <= kept_columns;
+}
+
 MatrixX<C> Designer::State::response(const Prepared& a, const Prepared& b) {
-  if (b.half.values.cols() > 0) return a.half.product(b.half);
+  if (b.columns.cols() == 0) return a.columns.cols() > 0 ? response(b, a).adjoint() : a.half.product(b.half);
   MatrixX<C> G(static_cast<Eigen::Index>(a.load.rows.size()), b.columns.cols());
   for (Eigen::Index j = 0; j < G.cols(); ++j)
     for (Eigen::Index i = 0; i < G.rows(); ++i) G(i, j) = a.load.rows[static_cast<std::size_t>(i)].at(b.columns.col(j));

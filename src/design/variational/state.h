@@ -131,6 +131,8 @@ struct Designer::State {
   // A solve: solve.cpp.
   [[nodiscard]] bool is_update(const Prepared& p) const { return !p.load.rows.empty() && !(p.load.soft() && folded); }
   void solve_rows(Prepared& p, DesignResult& result) const;
+  // Whether A^-1 R' of this control is kept whole rather than as a half solution.
+  [[nodiscard]] bool keeps_column(const Prepared& p) const;
   // R_a A^-1 R_b' of all rows of two controls.
   [[nodiscard]] static MatrixX<C> response(const Prepared& a, const Prepared& b);
   template <class Column>
