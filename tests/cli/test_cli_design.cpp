@@ -32,6 +32,13 @@ int index_in(const Json& report, int face) {
   return 0;
 }
 
+/// Where the singularity of a face lies, by the list of singularities.
+Json xyz_in(const Json& report, int face) {
+  for (const Json& s : report["singularities"]["list"])
+    if (s["face"] == face) return s["xyz"];
+  return nullptr;
+}
+
 void check_certified(const Json& r) {
   CHECK(r["ok"] == true);
   for (const auto& item : r["certificate"].items()) {
@@ -47,6 +54,7 @@ void check_certified(const Json& r) {
     if (c["type"] == "singularity") {
       CHECK(c["achieved"]["index"] == c["asked"]["index"]);
       CHECK(index_in(r, c["asked"]["face"]) == c["asked"]["index"]);
+      CHECK(c["achieved"]["xyz"] == xyz_in(r, c["asked"]["face"]));
       CHECK(std::abs(c["achieved"]["angle_degrees"].get<double>() - c["asked"]["angle_degrees"].get<double>()) < 2);
     }
   }

@@ -55,11 +55,12 @@ void singularity(const DesignRun& run, const DesignOutcome& outcome, Json& json)
   json["asked"] = {{"kind", name(s.kind)},           {"face", s.face},
                    {"index", target.sign},           {"angle_degrees", number(asked)},
                    {"strength", number(s.strength)}, {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
-  json["achieved"] = {{"index", outcome.index}, {"angle_degrees", nullptr}, {"barycentric", nullptr}};
+  json["achieved"] = {{"index", outcome.index}, {"angle_degrees", nullptr}, {"barycentric", nullptr}, {"xyz", nullptr}};
   if (outcome.found) {
     const double period = 360.0 / symmetry(run.design.n, outcome.found->index);
     json["achieved"]["angle_degrees"] = number(nearest_angle(outcome.found->orientation * degrees, asked, period));
     json["achieved"]["barycentric"] = triple(outcome.found->barycentric);
+    json["achieved"]["xyz"] = point(position(run.surface, *outcome.found));
   }
   if (target.pin) json["achieved"]["length_at_pin"] = number(outcome.length_at_pin);
 }
@@ -74,6 +75,7 @@ void fixed(const DesignRun& run, const DesignOutcome& outcome, Json& json) {
   const double asked = std::arg(constraint.value) / n;
   const double achieved = nearest_angle(std::arg(u) / n, asked, 2 * pi<double> / n);
   json["asked"] = {{"vertex", f.vertex},
+                   {"xyz", point(run.surface.V().row(f.vertex))},
                    {"direction", point(frames.vector(f.vertex, std::polar(1.0, asked)))},
                    {"length", f.free_length ? Json("free") : number(f.length)}};
   json["achieved"] = {{"direction", point(frames.vector(f.vertex, std::polar(1.0, achieved)))},
