@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "src/base/cancel.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -102,9 +103,11 @@ class Chains {
       : mesh_(mesh), incidence_(incidence), graph_(graph), used_(static_cast<std::size_t>(mesh.edges()), false) {}
 
   void collect() {
-    for (Index v = 0; v < mesh_.vertices(); ++v)
-      if (!passes(v))
-        for (const Index e : incidence_.at(v)) follow(v, e);
+    for (Index v = 0; v < mesh_.vertices(); ++v) {
+      detail::check_cancelled_at(v);
+      if (passes(v)) continue;
+      for (const Index e : incidence_.at(v)) follow(v, e);
+    }
     for (const Index e : graph_.edges) follow(mesh_.tail(mesh_.halfedge(e)), e);
   }
 
@@ -156,7 +159,10 @@ FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges, dou
   FeatureGraph graph{.edges = std::move(edges), .angles = {}, .vertices = {}, .lines = {}};
   for (const Index e : graph.edges) graph.angles.push_back(fold(surface, e));
   const Incidence incidence(mesh, graph.edges);
-  for (Index v = 0; v < mesh.vertices(); ++v) graph.vertices.push_back(kind(surface, incidence, v, corner_angle));
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    detail::check_cancelled_at(v);
+    graph.vertices.push_back(kind(surface, incidence, v, corner_angle));
+  }
   Chains(mesh, incidence, graph).collect();
   return graph;
 }

@@ -119,6 +119,7 @@ std::vector<Call> mesh_calls(const Scene& s) {
       inside("find_topology", [&] { (void)find_topology(r.mesh()); }),
       inside("split_components", [&] { (void)split_components(r.mesh(), d.V, r.topology()); }),
       inside("SurfaceLocator", [&] { (void)SurfaceLocator(r.surface); }),
+      inside("sharp_edges", [&] { (void)sharp_edges(r.surface); }),
       inside("stroke_along_vertices",
              [&] {
                (void)stroke_along_vertices(r.surface, {0, 3});
@@ -140,6 +141,7 @@ std::vector<Call> field_calls(const Scene& s) {
       inside("first_order_operators",
              [&] { (void)first_order_operators(r.mesh(), r.geometry(), r.connection(), {.n = 4}); }),
       inside("find_singularities", [&] { (void)find_singularities(r.surface, r.field); }),
+      inside("at_faces and at_vertices", [&] { (void)at_vertices(r.surface, at_faces(r.surface, r.field)); }),
       {"run_field", [&](const RunControl& c) { (void)run_field(d.V, d.F, {.n = 4, .eigen = s.eigen, .control = c}); }},
       {"run_field by EigenOptions::cancel",
        [&](const RunControl& c) {
