@@ -5,8 +5,9 @@
 
 # alcap_unity(target): one translation unit per folder of the target's sources, or several of a folder with more than
 # 700 lines, so that all cores have work. The copies for an instruction set stay alone (they have flags of their own), and
-# so do generated files. A folder's files share one namespace, so what is local to a file needs a name of its own there.
-set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology|^solvers/eigenpair/|^commands/")
+# so do generated files. A folder's files share one namespace: what is local to a file needs a name of its own there, or a
+# namespace, as field_parts in field_command.cpp.
+set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology|^solvers/eigenpair/")
 function(alcap_unity target)
   if(NOT ALCAP_UNITY)
     return()

@@ -7,7 +7,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <iostream>
 #include <map>
@@ -21,13 +20,10 @@
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/clock.h"
 
 namespace alcap::app {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// Paths of the list, relative ones to the list's folder. Empty lines and lines that start with # do not count.
 std::vector<std::filesystem::path> read_list(const std::filesystem::path& list) {
@@ -158,7 +154,7 @@ void add_batch_options(cli::App& app, BatchChoice& choice) {
 
 Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const FieldRunOptions& field,
                         const Common& common) {
-  const auto start = Clock::now();
+  const detail::Stopwatch total;
   const std::vector<std::filesystem::path> paths = read_list(choice.list);
   if (!choice.folder.empty()) {
     check_names(paths);
@@ -181,14 +177,14 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
   run_batch(
       static_cast<std::int64_t>(paths.size()), {.field = field, .jobs = choice.jobs},
       [&](Context& context, std::int64_t i) {
-        const auto mesh_start = Clock::now();
+        const detail::Stopwatch watch;
         MeshChoice one = mesh;
         one.path = paths[static_cast<std::size_t>(i)];
         MeshFile read = read_choice(one);
         const FieldRun& run = context.run(std::move(read.V), std::move(read.F));
         if (!choice.folder.empty()) write_fields(choice, one, run);
         Json line = head(i);
-        line.update(line_of(run, seconds_since(mesh_start)));
+        line.update(line_of(run, watch.seconds()));
         lines.add(i, std::move(line));
       },
       [&](std::int64_t i, const std::exception& error) {
@@ -198,7 +194,7 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
         lines.add(i, std::move(line));
       });
 
-  const double seconds = seconds_since(start);
+  const double seconds = total.seconds();
   const auto count = static_cast<std::int64_t>(paths.size());
   Outcome outcome{.report = report_head("field", lines.failed() == 0)};
   outcome.report["batch"] = {{"list", choice.list.string()},

@@ -18,6 +18,7 @@
 #include "src/base/clock.h"
 
 namespace alcap::app {
+namespace design_parts {
 namespace {
 
 constexpr const char* footer =
@@ -157,8 +158,9 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace design_parts
 
 const Command design_command{"design", "A field with the singularities, directions and cones you ask for", true,
-                             &attach};
+                             &design_parts::attach};
 
 }  // namespace alcap::app

@@ -3,7 +3,6 @@
 // field_command.cpp: `alcap field`, from a mesh to the smoothest n-field, its files and its certificate.
 #include <fmt/core.h>
 
-#include <chrono>
 #include <map>
 #include <memory>
 #include <span>
@@ -19,8 +18,10 @@
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/clock.h"
 
 namespace alcap::app {
+namespace field_parts {
 namespace {
 
 constexpr const char* footer =
@@ -94,11 +95,7 @@ std::string summary(const FieldOptions& options, const Json& report) {
 }
 
 Outcome run(FieldOptions options, Progress& progress) {
-  using Clock = std::chrono::steady_clock;
-  const auto seconds = [](Clock::time_point from) {
-    return std::chrono::duration<double>(Clock::now() - from).count();
-  };
-  const auto start = Clock::now();
+  const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
   check_picture(options.picture);
   if (!options.html.empty()) {
@@ -110,20 +107,20 @@ Outcome run(FieldOptions options, Progress& progress) {
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
   MeshFile file = read_choice(options.mesh);
   const std::int64_t faces = file.F.rows();
-  times.read = seconds(start);
+  times.read = total.seconds();
 
   options.run.repairs = options.mesh.repairs;
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
   const FieldRun result = run_field(std::move(file.V), std::move(file.F), options.run);
 
   progress.phase("writing");
-  const auto write_start = Clock::now();
+  const detail::Stopwatch writing;
   const FieldOutput output = output_of(result);
   Json report = field_report(options.mesh.path, file, result, options.run);
   const auto no_others = [](const std::filesystem::path&) { return std::vector<std::string>{}; };
   write_files(plan, options.files, output, no_others, [&](const std::vector<std::string>& files) -> const Json& {
-    times.write = seconds(write_start);
-    times.total = seconds(start);
+    times.write = writing.seconds();
+    times.total = total.seconds();
     report["times"] = times_json(result.times, times);
     report["peak_memory_bytes"] = peak_memory_bytes();
     report["files"] = files;
@@ -189,8 +186,9 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace field_parts
 
 const Command field_command{"field", "The smoothest n-field of a mesh, with singularities and certificate", true,
-                            &attach};
+                            &field_parts::attach};
 
 }  // namespace alcap::app

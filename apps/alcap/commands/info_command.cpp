@@ -16,6 +16,7 @@
 #include "apps/alcap/report/statistics.h"
 
 namespace alcap::app {
+namespace info_parts {
 namespace {
 
 constexpr const char* footer =
@@ -179,8 +180,9 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace info_parts
 
 const Command info_command{"info", "What a mesh is, what is wrong with it, whether a field can be computed", true,
-                           &attach};
+                           &info_parts::attach};
 
 }  // namespace alcap::app

@@ -15,6 +15,7 @@
 #include "apps/alcap/report/report.h"
 
 namespace alcap::app {
+namespace make_parts {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -139,7 +140,9 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace make_parts
 
-const Command make_command{"make", "A generated mesh: spheres, tori, higher genus, with boundary", false, &attach};
+const Command make_command{"make", "A generated mesh: spheres, tori, higher genus, with boundary", false,
+                           &make_parts::attach};
 
 }  // namespace alcap::app

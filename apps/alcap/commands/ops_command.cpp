@@ -3,7 +3,6 @@
 // ops_command.cpp: `alcap ops`, derivatives and energies of a field in a file.
 #include <fmt/core.h>
 
-#include <chrono>
 #include <memory>
 #include <string_view>
 
@@ -17,8 +16,10 @@
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/atomic_file.h"
+#include "src/base/clock.h"
 
 namespace alcap::app {
+namespace ops_parts {
 namespace {
 
 constexpr const char* footer =
@@ -180,7 +181,7 @@ std::vector<std::string> write_values(const std::filesystem::path& target, const
 }
 
 Outcome run(const OpsOptions& options, Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const detail::Stopwatch watch;
   const OutputPlan plan = plan_output(options.output, {".csv", ".vtp"});
   if (plan.kind == OutputPlan::Kind::folder) {
     throw Failure(Exit::usage, "-o must name a file that ends with .csv or .vtp", {{"option", "-o"}});
@@ -219,7 +220,7 @@ Outcome run(const OpsOptions& options, Progress& progress) {
     progress.phase("writing");
     files = write_values(plan.target, loaded, values);
   }
-  report["times"] = {{"total", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}};
+  report["times"] = {{"total", watch.seconds()}};
   report["peak_memory_bytes"] = peak_memory_bytes();
   report["files"] = files;
   Outcome outcome{.report = std::move(report)};
@@ -249,7 +250,8 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace ops_parts
 
-const Command ops_command{"ops", "Divergence, curl, reflected pair and energies of a field", true, &attach};
+const Command ops_command{"ops", "Divergence, curl, reflected pair and energies of a field", true, &ops_parts::attach};
 
 }  // namespace alcap::app

@@ -16,6 +16,7 @@
 #include "src/base/atomic_file.h"
 
 namespace alcap::app {
+namespace studio_parts {
 namespace {
 
 constexpr const char* footer =
@@ -104,7 +105,8 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace studio_parts
 
-const Command studio_command{"studio", "Design fields by hand in the browser", true, &attach};
+const Command studio_command{"studio", "Design fields by hand in the browser", true, &studio_parts::attach};
 
 }  // namespace alcap::app

@@ -13,6 +13,7 @@
 #include "apps/alcap/tables/tables.h"
 
 namespace alcap::app {
+namespace tables_parts {
 namespace {
 
 constexpr const char* footer =
@@ -115,7 +116,8 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace tables_parts
 
-const Command tables_command{"tables", "The accuracy tables of the paper, measured here", true, &attach};
+const Command tables_command{"tables", "The accuracy tables of the paper, measured here", true, &tables_parts::attach};
 
 }  // namespace alcap::app

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <memory>
 
@@ -19,8 +18,10 @@
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/clock.h"
 
 namespace alcap::app {
+namespace view_parts {
 namespace {
 
 constexpr const char* footer =
@@ -100,7 +101,7 @@ std::string summary(const ViewOptions& options, const Json& report) {
 }
 
 Outcome run(const ViewOptions& options, Progress& progress) {
-  const auto start = std::chrono::steady_clock::now();
+  const detail::Stopwatch watch;
   check_outputs(options);
   std::error_code error;
   const bool folder = std::filesystem::is_directory(options.field, error);
@@ -138,8 +139,7 @@ Outcome run(const ViewOptions& options, Progress& progress) {
   outcome.report["bytes"] = bytes;
   outcome.report["warnings"] = remarks_json(remarks, true);
   outcome.report["files"] = files;
-  outcome.report["times"] = {
-      {"total", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}};
+  outcome.report["times"] = {{"total", watch.seconds()}};
   outcome.report["peak_memory_bytes"] = peak_memory_bytes();
   outcome.text = summary(options, outcome.report);
   return outcome;
@@ -160,7 +160,8 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
 }
 
 }  // namespace
+}  // namespace view_parts
 
-const Command view_command{"view", "A page that shows a field in any browser, in one file", true, &attach};
+const Command view_command{"view", "A page that shows a field in any browser, in one file", true, &view_parts::attach};
 
 }  // namespace alcap::app
