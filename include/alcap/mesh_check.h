@@ -5,10 +5,7 @@
 // prints them all.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -42,22 +39,8 @@ struct DefectReport {
 
 /// Whether the altitude of a triangle over its longest edge is below the rounding of its coordinates, or a coordinate
 /// is not finite. The answer does not depend on the unit of length: everything is measured against the largest extent.
-[[nodiscard]] inline bool degenerate(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
-                                     const Eigen::Matrix<double, 1, 3>& c) {
-  Eigen::Matrix<double, 1, 3> ab = b - a, bc = c - b, ca = a - c;
-  const double extent = std::max({ab.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff(), ca.cwiseAbs().maxCoeff()});
-  if (!(extent > 0 && extent <= std::numeric_limits<double>::max())) return true;
-  ab /= extent;
-  bc /= extent;
-  ca /= extent;
-  const double longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
-  const double size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
-  // Written out: Eigen/Geometry would be in every file that includes this header.
-  const Eigen::Matrix<double, 1, 3> normal(ca.y() * ab.z() - ca.z() * ab.y(), ca.z() * ab.x() - ca.x() * ab.z(),
-                                           ca.x() * ab.y() - ca.y() * ab.x());
-  const double twice_area = normal.norm();
-  return !(twice_area > double(4) * std::numeric_limits<double>::epsilon() * (size / extent) * longest);
-}
+[[nodiscard]] bool degenerate(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
+                              const Eigen::Matrix<double, 1, 3>& c);
 
 /// Faces re-oriented so that neighbours agree: in each component the orientation of its smallest face wins.
 /// `flipped` receives the numbers of the turned faces; a face is turned by exchanging its last two vertices. Throws

@@ -50,13 +50,6 @@ struct SurfacePolyline {
 /// lies in no space.
 [[nodiscard]] Eigen::RowVector3d position(const Surface& surface, const SurfacePoint& point);
 
-/// The same for inner loops, without the checks. V is #V x 3.
-[[nodiscard]] inline Eigen::RowVector3d position(const Mesh& mesh, const Positions<double>& V,
-                                                 const SurfacePoint& point) {
-  const auto& [t, b] = point;
-  return b[0] * V.row(mesh.F()(t, 0)) + b[1] * V.row(mesh.F()(t, 1)) + b[2] * V.row(mesh.F()(t, 2));
-}
-
 namespace detail {
 
 /// The point of halfedge h at the fraction s of the way to its tip, in the face of h.

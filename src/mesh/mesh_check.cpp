@@ -235,6 +235,22 @@ std::vector<DefectReport> find_face_defects(const FacesRef& F, std::int64_t vert
 
 }  // namespace
 
+bool degenerate(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
+                const Eigen::Matrix<double, 1, 3>& c) {
+  Eigen::Matrix<double, 1, 3> ab = b - a, bc = c - b, ca = a - c;
+  const double extent = std::max({ab.cwiseAbs().maxCoeff(), bc.cwiseAbs().maxCoeff(), ca.cwiseAbs().maxCoeff()});
+  if (!(extent > 0 && extent <= std::numeric_limits<double>::max())) return true;
+  ab /= extent;
+  bc /= extent;
+  ca /= extent;
+  const double longest = std::sqrt(std::max({ab.squaredNorm(), bc.squaredNorm(), ca.squaredNorm()}));
+  const double size = std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
+  const Eigen::Matrix<double, 1, 3> normal(ca.y() * ab.z() - ca.z() * ab.y(), ca.z() * ab.x() - ca.x() * ab.z(),
+                                           ca.x() * ab.y() - ca.y() * ab.x());
+  const double twice_area = normal.norm();
+  return !(twice_area > double(4) * std::numeric_limits<double>::epsilon() * (size / extent) * longest);
+}
+
 std::vector<DefectReport> find_defects(const FacesRef& F, std::int64_t vertex_count) {
   detail::Array<char> usable;
   std::vector<DefectReport> reports = find_face_defects(F, vertex_count, usable);

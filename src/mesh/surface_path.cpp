@@ -5,6 +5,8 @@
 #include <string>
 #include <utility>
 
+#include "src/mesh/position.h"
+
 namespace alcap {
 
 double SurfacePolyline::length() const {
@@ -28,7 +30,7 @@ Eigen::RowVector3d position(const Surface& surface, const SurfacePoint& point) {
   const Index faces = surface.mesh().faces();
   if (point.face < 0 || point.face >= faces)
     throw OptionError("point.face", point.face, "there is no such face; the mesh has " + std::to_string(faces));
-  return position(surface.mesh(), positions, point);
+  return detail::position(surface.mesh(), positions, point);
 }
 
 }  // namespace alcap

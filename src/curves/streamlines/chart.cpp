@@ -10,6 +10,7 @@
 
 #include "src/base/array.h"
 #include "src/connection/edge_to_face.h"
+#include "src/mesh/position.h"
 
 namespace alcap::detail {
 namespace {
@@ -114,7 +115,7 @@ bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector
   return false;
 }
 
-Eigen::RowVector3d Flow::position(Index t, const Barycentric& b) const { return alcap::position(mesh_, V_, {t, b}); }
+Eigen::RowVector3d Flow::position(Index t, const Barycentric& b) const { return detail::position(mesh_, V_, {t, b}); }
 
 Eigen::RowVector3d Flow::direction(const FaceChart& chart, const Cplx& v) const {
   return position(chart.face, {dot(chart.grad[0], v), dot(chart.grad[1], v), dot(chart.grad[2], v)});

@@ -14,6 +14,7 @@
 
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/mesh/position.h"
 
 namespace alcap::detail {
 namespace {
