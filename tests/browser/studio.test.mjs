@@ -188,6 +188,81 @@ test('what an edit adds is drawn: every mark and every part of every stroke has 
   assert.ok(seen.filter((s) => s).length > 0.95 * seen.length, `${seen}`);
 });
 
+test('a saddle dragged across the surface takes its pattern with it, in one step of the history', async () => {
+  await drop('saddle', -50, 10);
+  const before = design().singularities[0];
+  const heading = (s, surface) => {  // the direction of a branch in space
+    const [a, b, c] = [0, 1, 2].map((j) => [0, 1, 2].map((k) => surface.positions[3 * surface.faces[3 * s.face + j] + k]));
+    const minus = (p, q) => p.map((v, k) => v - q[k]), unit = (p) => p.map((v) => v / Math.hypot(...p));
+    const times = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
+    const x = unit(minus(b, a)), y = times(unit(times(minus(b, a), minus(c, a))), x);
+    const angle = ((s.angle || 0) * Math.PI) / 180;
+    return x.map((v, k) => Math.cos(angle) * v + Math.sin(angle) * y[k]);
+  };
+  const box = await page.locator('.ring.chosen').boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  for (let s = 8; s <= 64; s += 8) await page.mouse.move(x + s, y - s / 2);
+  await page.mouse.up();
+  await settled();
+  const [moved] = design().singularities;
+  assert.notEqual(moved.face, before.face);
+  const ring = await page.locator('.ring.chosen').boundingBox();
+  assert.ok(Math.hypot(ring.x + ring.width / 2 - x - 64, ring.y + ring.height / 2 - y + 32) < 12);
+  const { arrays: surface } = unpack((await request(server.url, '/api/mesh')).body);
+  const [d, e] = [heading(before, surface), heading(moved, surface)];
+  assert.ok(d.reduce((sum, v, k) => sum + v * e[k], 0) > 0.85);  // the ball curves by 25 degrees on the way
+  const { meta, arrays } = await state();
+  assert.equal(meta.controls[0].met, true);
+  assert.equal(arrays.singular[8 * arrays.singular_faces.indexOf(moved.face) + 6], -1);
+  assert.match(await page.textContent('.chip'), /Solved in/);
+  await page.keyboard.press('Control+z');
+  await page.waitForFunction((face) => alcap.design.singularities[0]?.face === face, before.face);
+  assert.deepEqual(design().singularities[0], before);
+  await settled();
+  assert.equal(await page.textContent('.chip'), 'Saved');  // nothing was solved
+  // The keyboard moves it as well.
+  await page.locator('.ring').focus();
+  for (let k = 0; k < 4; ++k) {
+    await page.keyboard.press('ArrowRight');
+    await settled();
+  }
+  assert.notEqual(design().singularities[0].face, before.face);
+});
+
+test('a singularity that nobody asked for says so, and can be held where it is', async () => {
+  const { arrays } = await state();
+  const { singular, singular_faces: faces } = arrays;
+  const shown = await page.evaluate((singular) => {
+    const { camera, canvas } = alcap.stage, box = canvas.getBoundingClientRect();
+    for (let k = 0; k < singular.length; k += 8) {
+      const p = camera.position.clone().set(...singular.slice(k, k + 3));
+      if (p.dot(camera.position) < 0.5 * p.length() * camera.position.length()) continue;
+      p.project(camera);
+      return { number: k / 8, x: box.left + ((p.x + 1) / 2) * box.width, y: box.top + ((1 - p.y) / 2) * box.height };
+    }
+    return null;
+  }, singular);
+  assert.ok(shown);
+  await page.mouse.click(shown.x, shown.y);
+  assert.match(await page.textContent('.card'), /Nobody asked for it.*sum to 2/s);
+  const { meta } = await state();
+  await page.click('.card .primary');
+  await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
+  await settled();
+  const [held] = design().singularities;
+  assert.equal(held.face, faces[shown.number]);
+  assert.equal(held.kind, 'source');
+  const after = await state();
+  assert.equal(after.meta.controls[0].met, true);
+  // The field wanted it there: the others stay, or move to the next face.
+  const places = (list) => Array.from({ length: list.length / 8 }, (_, k) => list.slice(8 * k, 8 * k + 3));
+  const [earlier, later] = [places(singular), places(after.arrays.singular)];
+  assert.equal(later.length, earlier.length);
+  for (const p of earlier) assert.ok(Math.min(...later.map((q) => Math.hypot(...p.map((v, c) => v - q[c])))) < 0.15);
+});
+
 test('undo brings the field of before back, bit for bit; redo the other', async () => {
   const first = await field();
   await drop('source', 30, 20);
@@ -235,7 +310,15 @@ test('cones: a running sum says what is missing, and the field comes when it is 
   const post = (list) => request(server.url, '/api/edit', {}, { method: 'POST', body: cones(list) });
   assert.equal((await post([0, 1, 2])).status, 200);
   await page.waitForFunction(() => /Place \+5\/4 more/.test(document.querySelector('.cones').textContent));
+  await page.waitForFunction(() => /^The cones sum to \+3\/4 so far, of 2\.$/.test(document.querySelector('.chip').textContent));
   assert.notEqual((await state()).meta.problem, '');
+  await page.click('.cones .toggle');
+  await page.waitForFunction(() => alcap.design.connection.balance === true);
+  await settled();
+  assert.equal((await state()).meta.problem, '');
+  await page.click('.cones .toggle');
+  await page.waitForFunction(() => !alcap.design.connection.balance);
+  await settled();
   await post([0, 1, 2, 3, 4, 5, 6, 7]);
   await page.waitForFunction(() => /of 2 needed\+2 ✓/.test(document.querySelector('.cones').textContent));
   assert.equal((await state()).meta.problem, '');

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
-// handles.js: the controls of the design as buttons over the picture: a ring where a singularity was asked for, and for
-// the chosen one a knob on a line that turns it, by the mouse or by the arrow keys.
+// handles.js: the controls of the design as buttons over the picture: a ring where a singularity was asked for, which
+// can be dragged, and for the chosen one a knob on a line that turns it; both by the mouse or by the arrow keys.
 import { Raycaster, Vector2, Vector3 } from 'three';
 
 import { h } from './dom.js';
 import { angleOfRay, direction, dot, frame, pointIn, subtract } from './tangent.js';
 
 const reach = 58;  // pixels from ring to knob
+const stride = 12;  // pixels that an arrow key moves a ring
 
 export class Handles {
-  /** actions: select(k), turn(k, degrees, gesture), stop(). */
+  /** actions: select(k), turn(k, degrees, gesture), move(k, hit, gesture), stop(). */
   constructor(view, actions) {
     this.view = view;
     this.actions = actions;
@@ -26,6 +27,7 @@ export class Handles {
     while (this.items.length < singularities.length) {
       const k = this.items.length;
       const ring = h('button', { type: 'button', class: 'ring', onclick: () => this.actions.select(k) });
+      this.makeMovable(ring, k);
       this.layer.append(ring);
       this.items.push({ ring });
     }
@@ -37,6 +39,40 @@ export class Handles {
     });
     this.knob ??= this.makeKnob();
     this.place();
+  }
+
+  /** Dragging, or the arrow keys, move the singularity to what is under the pointer. */
+  makeMovable(ring, k) {
+    const move = (place, gesture) => {
+      const hit = this.view.pick(place);
+      if (hit) this.actions.move(k, hit, gesture);
+    };
+    ring.addEventListener('keydown', (event) => {
+      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+      if (!step) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const box = this.view.stage.canvas.getBoundingClientRect();
+      const [x, y] = this.project(this.center(this.singularities[k]));
+      move({ clientX: box.left + x + stride * step[0], clientY: box.top + y + stride * step[1] }, 'move-keys');
+    });
+    ring.addEventListener('pointerdown', (down) => {
+      if (!down.isPrimary || down.button !== 0) return;
+      ring.setPointerCapture(down.pointerId);
+      const gesture = `move-${Date.now()}`;
+      let moved = false;
+      const drag = (event) => {
+        moved ||= Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > 4;
+        if (moved) move(event, gesture);
+      };
+      const up = () => {
+        ring.removeEventListener('pointermove', drag);
+        this.actions.stop();
+      };
+      ring.addEventListener('pointermove', drag);
+      ring.addEventListener('pointerup', up, { once: true });
+      ring.addEventListener('pointercancel', up, { once: true });
+    });
   }
 
   makeKnob() {

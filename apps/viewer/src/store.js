@@ -46,7 +46,7 @@ export class Store {
       if (path === '/api/edit') Object.assign(parameters, { base: this.revision, gesture });
       try {
         const pack = await ask(path, parameters, { body });
-        if (!this.next) this.take(pack, true);
+        if (!this.next) this.take(pack, true, '', path === '/api/edit');
         else this.follow(pack);
       } catch (error) {
         this.next = null;
@@ -76,7 +76,8 @@ export class Store {
     }
   }
 
-  take(pack, mine, said = '') {
+  /** solved: the answer was computed for this request, not kept from before. */
+  take(pack, mine, said = '', solved = false) {
     this.revision = pack.meta.revision;
     this.design = pack.meta.design;
     if (pack.meta.result !== this.result) this.stale = true;
@@ -84,7 +85,7 @@ export class Store {
     this.listeners.state(pack, mine);
     if (said) return;
     if (pack.meta.problem) this.listeners.status('problem', pack.meta.problem);
-    else this.listeners.status('ready', pack.meta.seconds);
+    else this.listeners.status('ready', solved ? pack.meta.seconds : 0);
     clearTimeout(this.timer);
     if (this.stale) this.timer = setTimeout(() => this.details(), mine ? quietTime : 0);
   }

@@ -2,15 +2,15 @@
 //
 // studio.js: the page in which fields are designed: tools on the left, the surface, the design on the right.
 import { address, ask } from './api.js';
-import { h, segmented } from './dom.js';
+import { fraction, h, segmented } from './dom.js';
 import { Handles } from './handles.js';
 import { listen, onClick, viewKeys } from './keys.js';
 import { Lines } from './lines.js';
-import { colorSection, makeHelp, makePanel, singularitySection } from './panel.js';
+import { colorSection, makeHelp, makePanel, mark, singularitySection } from './panel.js';
 import { View } from './scene.js';
 import { Store } from './store.js';
 import { coneIndex, conesSection, controlsSection, fieldSection, kindsOf, showSection, titleOf } from './studio_panel.js';
-import { pointIn } from './tangent.js';
+import { angleIn, barycentricIn, direction, pointIn } from './tangent.js';
 import { download, savePicture } from './view.js';
 
 const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['B', 'Draw strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
@@ -34,6 +34,7 @@ class Studio {
     this.handles = new Handles(this.view, {
       select: (k) => this.select(k),
       turn: (k, degrees, gesture) => this.turn(k, degrees, gesture),
+      move: (k, hit, gesture) => this.move(k, hit, gesture),
       stop: () => { this.store.gesture = ''; },
     });
     stage.before = () => this.handles.place();
@@ -58,7 +59,8 @@ class Studio {
       h('button', { type: 'button', title: 'Save the field as .ply', onclick: () => { location.href = address('/api/export', { format: 'ply' }); } }, 'Export'),
       h('button', { type: 'button', title: 'Save a picture (P)', class: 'wide', onclick: () => savePicture(stage, this.title) }, 'Picture'),
       h('button', { type: 'button', title: 'Keys (?)', class: 'wide', onclick: () => this.help.showModal() }, 'Keys'), file);
-    ui.append(this.handles.layer, this.panel, this.tools, menu, this.help);
+    this.card = h('div', { class: 'card', role: 'status', hidden: true });
+    ui.append(this.handles.layer, this.panel, this.tools, menu, this.card, this.help);
     stage.resize();
     stage.frame(mesh.meta.diagonal);
     onClick(stage.canvas, (event) => this.click(event));
@@ -107,14 +109,56 @@ class Studio {
     this.change((d) => { d.singularities[k].angle = ((degrees % 360) + 360) % 360; }, gesture);
   }
 
+  /** To another place of the surface. The pattern keeps its direction in space; a swirl has none. */
+  move(k, hit, gesture) {
+    if (this.design.singularities.some((s, j) => j !== k && s.face === hit.face)) return;
+    this.selected = k;
+    this.change((d) => {
+      const s = d.singularities[k];
+      const swirls = d.n === 1 && s.kind !== 'saddle';
+      if (!swirls && !s.relative_to && s.face !== hit.face) {
+        s.angle = angleIn(this.view.surface, hit.face, direction(this.view.surface, s.face, s.angle || 0));
+      }
+      s.face = hit.face;
+      if (s.pin) s.pin = inside(hit.barycentric);
+    }, gesture);
+  }
+
+  /** A singularity that the field has of its own: what it is, and a button that makes it a control. */
+  tell(number) {
+    const { singular, singular_faces: faces } = this.view.arrays;
+    const index = singular[8 * number + 6], face = faces[number], { n } = this.design;
+    const hold = () => {
+      this.card.hidden = true;
+      this.selected = (this.design.singularities || []).length;
+      const kind = kindsOf(n)[index > 0 ? 0 : kindsOf(n).length - 1][0];
+      const pin = inside(barycentricIn(this.view.surface, face, singular.slice(8 * number, 8 * number + 3)));
+      this.change((d) => { (d.singularities ??= []).push({ face, kind, angle: (singular[8 * number + 7] * 180) / Math.PI, pin }); });
+    };
+    const { euler, boundary } = this.view.meta;
+    const sum = euler === undefined || boundary ? '' : ` All indices sum to ${String(euler).replace('-', '−')}, so others make up for those you place.`;
+    this.card.replaceChildren(
+      h('p', { class: 'head' }, mark(index), ` Singularity ${fraction(index, n)}`),
+      h('button', { type: 'button', class: 'close', 'aria-label': 'Close', onclick: () => { this.card.hidden = true; } }, '×'),
+      h('p', { class: 'quiet' }, `Nobody asked for it: the field needs it here.${sum}`),
+      ...(Math.abs(index) === 1 ? [h('button', { type: 'button', class: 'primary', onclick: hold }, 'Hold it here')] : []));
+    this.card.hidden = false;
+  }
+
   click(event) {
     if (this.tool === 'stroke' || !this.design) return;
     const hit = this.view.pick(event);
+    this.card.hidden = true;
     if (!hit) return;
-    if (this.tool === 'turn') return this.select(-1);
+    if (this.tool === 'turn') {
+      const near = this.view.near(hit.point);
+      const placed = near >= 0 && (this.design.singularities || []).some((s) => s.face === this.view.arrays.singular_faces[near]);
+      this.select(-1);
+      if (near >= 0 && !placed) this.tell(near);
+      return;
+    }
     if (this.tool === 'cone') return this.addCone(hit);
-    // A zero on an edge belongs to neither face: a little inside.
-    const pin = hit.barycentric.map((b) => 0.08 / 1.24 + b / 1.24);
+    const pin = inside(hit.barycentric);
     const faces = (this.design.singularities || []).map((s) => s.face);
     if (faces.includes(hit.face)) return this.select(faces.indexOf(hit.face));
     this.selected = faces.length;
@@ -227,9 +271,16 @@ class Studio {
   }
 
   onStatus(kind, text) {
+    // Cones that do not sum up yet are work in progress; their section says how many are missing.
+    if (kind === 'problem' && this.sections.cones.missing) [kind, text] = ['note', this.sections.cones.missing];
     this.status.className = `chip ${{ ready: 'good', problem: 'bad', lost: 'bad', note: '' }[kind] ?? ''}`;
     this.status.textContent = kind === 'ready' ? (text ? `Solved in ${Math.max(1, Math.round(text * 1000))} ms · saved` : 'Saved') : text;
   }
+}
+
+/** A zero on an edge belongs to neither face: a little inside. */
+function inside(barycentric) {
+  return barycentric.map((b) => 0.08 / 1.24 + Math.min(Math.max(b, 0), 1) / 1.24);
 }
 
 export { download };

@@ -87,7 +87,9 @@ export function conesSection(app) {
     element.hidden = design.connection?.kind !== 'trivial';
     const cones = design.connection?.cones || [], n = design.n;
     const sum = cones.reduce((s, c) => s + Math.round(coneIndex(c.index) * n), 0);
-    const fits = !closed || sum === n * euler;
+    const balance = Boolean(design.connection?.balance);
+    const fits = !closed || sum === n * euler || balance;
+    element.missing = element.hidden || fits ? '' : `The cones sum to ${fraction(sum, n) || '0'} so far, of ${String(euler).replace('-', '−')}.`;
     const step = (k, by) => app.change((d) => {
       const c = d.connection.cones[k];
       const index = Math.round(coneIndex(c.index) * n) + by;
@@ -99,9 +101,17 @@ export function conesSection(app) {
         h('b', { class: 'stepper' }, h('button', { type: 'button', 'aria-label': 'Less', onclick: () => step(k, -1) }, '−'), fraction(Math.round(coneIndex(c.index) * n), n), h('button', { type: 'button', 'aria-label': 'More', onclick: () => step(k, 1) }, '+')))),
       h('div', { class: `row sum ${fits ? '' : 'wrong'}` }, h('span', {}, closed ? `Sum, of ${String(euler).replace('-', '−')} needed` : 'Sum'), h('b', {}, fraction(sum, n) || '0', fits ? ' ✓' : '')),
       ...(fits ? [] : [h('p', { class: 'quiet' }, `Place ${fraction(n * euler - sum, n)} more: choose the cone tool and click on the surface.`)]),
+      toggleBalance(balance, (v) => app.change((d) => { if (v) d.connection.balance = true; else delete d.connection.balance; })),
     );
   };
   return element;
+}
+
+/** Whether cones are added where the curvature is, until the sum is right. */
+function toggleBalance(value, change) {
+  const row = toggle('Add what is missing', value, change);
+  row.title = 'Adds cones of the smallest index where the curvature is, until they sum up';
+  return row;
 }
 
 export function showSection(view) {

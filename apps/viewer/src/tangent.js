@@ -28,6 +28,20 @@ export function direction(surface, face, degrees, relativeTo) {
   return plus(scaled(x, Math.cos(angle)), scaled(y, Math.sin(angle)));
 }
 
+/** The angle in degrees of a direction of space in the frame of a face. */
+export function angleIn(surface, face, d) {
+  const { x, y } = frame(surface, face);
+  return (Math.atan2(dot(d, y), dot(d, x)) * 180) / Math.PI;
+}
+
+/** Barycentric coordinates of a point in the plane of a face. */
+export function barycentricIn(surface, face, point) {
+  const [a, b, c] = surface.corners(face);
+  const normal = cross(subtract(b, a), subtract(c, a)), whole = dot(normal, normal);
+  const part = (p, q) => dot(cross(subtract(p, point), subtract(q, point)), normal) / whole;
+  return [part(b, c), part(c, a), part(a, b)];
+}
+
 /** Where a ray meets the plane of a face through a point, as an angle in degrees around that point. */
 export function angleOfRay(surface, face, center, origin, ray) {
   const { x, y, normal } = frame(surface, face);
