@@ -4,6 +4,7 @@
 #pragma once
 
 // IWYU pragma: begin_exports
+#include "alcap/aligned.h"
 #include "alcap/alignment.h"
 #include "alcap/arrays.h"
 #include "alcap/assembly.h"

@@ -21,7 +21,7 @@ set(layers
   "src/field               | field smoothest singularities alignment"
   "src/curves/strokes      | strokes"
   "src/curves/streamlines  | streamlines"
-  "src/design              | controls designer eigen_design design_file"
+  "src/design              | controls aligned designer eigen_design design_file"
   "src/io/field            | output"
   "src/run                 | field_run design_run batch alcap"
   "apps                    |")

@@ -19,8 +19,6 @@ using C = Complex<double>;
 // A target's flux, in units of 2 pi sqrt(area of its face): the field it makes is several unit lengths long at the rim
 // of the face, so that strength 1 outweighs a unit guidance field there.
 constexpr double target_flux = 4;
-// Weight per length of a stroke of weight 1, times sqrt(area) of the surface: the same on every mesh and in every unit.
-constexpr double stroke_scale = 40;
 
 void check_positive(const char* name, double value) {
   if (!(value > 0) || !std::isfinite(value)) throw OptionError(name, value, "must be positive and finite");
