@@ -121,6 +121,9 @@ TEST_CASE("flags make the same design as a file, and add to one") {
   check_certified(flags.json());
   CHECK(read_field(folder.work() / "a.ply").field.u == read_field(folder.work() / "b.ply").field.u);
   CHECK(flags.json()["solve"]["rows"] == 3);
+  // Sums of indices are in turns, for people: the Euler characteristic.
+  const CliResult text = folder.run("design s.ply -n 4 --source 40 --guidance smoothest");
+  CHECK(text.out.find("indices sum to 2, expected 2") != std::string::npos);
 
   const Json pinned = control(file.json(), "/singularities/1")["achieved"];
   CHECK(pinned["length_at_pin"].get<double>() < 1e-9);

@@ -50,11 +50,6 @@ struct FieldOptions {
   BatchChoice batch = {};
 };
 
-std::string fraction(std::int64_t count, int n) {
-  if (count % n == 0) return std::to_string(count / n);
-  return fmt::format("{}/{}", count, n);
-}
-
 std::string phase_text(std::string_view phase, std::int64_t faces) {
   const std::map<std::string_view, std::string> words{{"mesh", "building the mesh"},
                                                       {"connection", "finding the connection"},
@@ -82,8 +77,8 @@ std::string summary(const FieldOptions& options, const Json& report) {
                    short_text(eigen["next"]), short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
-                                    fraction(singular["index_sum"].get<std::int64_t>(), n),
-                                    fraction(singular["expected"].get<std::int64_t>(), n)));
+                                    turns_text(singular["index_sum"].get<std::int64_t>(), n),
+                                    turns_text(singular["expected"].get<std::int64_t>(), n)));
   std::string phases;
   for (const auto& [phase, seconds] : times.items()) {
     if (phase != "total")

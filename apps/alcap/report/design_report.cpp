@@ -290,11 +290,11 @@ std::string design_summary(const Json& report) {
     line(c["met"].get<bool>() ? "met" : "NOT MET",
          fmt::format("{}: {}, off by {} degrees", c["path"].get<std::string>(), control_text(c),
                      short_text(c["error_degrees"])));
+  const int n = singular["denominator"];
   line("singularities",
-       fmt::format("{}: {} positive, {} negative; indices sum to {}/{}, expected {}/{}", singular["count"].get<int>(),
-                   singular["positive"].get<int>(), singular["negative"].get<int>(), singular["index_sum"].get<int>(),
-                   singular["denominator"].get<int>(), singular["expected"].get<int>(),
-                   singular["denominator"].get<int>()));
+       fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}", singular["count"].get<int>(),
+                   singular["positive"].get<int>(), singular["negative"].get<int>(),
+                   turns_text(singular["index_sum"], n), turns_text(singular["expected"], n)));
   line("time", fmt::format("{:.2f} s", report["times"]["total"].get<double>()));
   return text + summary_end(report);
 }

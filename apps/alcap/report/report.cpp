@@ -353,4 +353,8 @@ std::string grouped(std::int64_t value) {
   return text;
 }
 
+std::string turns_text(std::int64_t count, int n) {
+  return count % n == 0 ? std::to_string(count / n) : fmt::format("{}/{}", count, n);
+}
+
 }  // namespace alcap::app

@@ -65,5 +65,7 @@ struct RunSeconds {
 
 /// 69451 -> "69,451".
 [[nodiscard]] std::string grouped(std::int64_t value);
+/// A count of n-ths in turns: "2", "-3/4".
+[[nodiscard]] std::string turns_text(std::int64_t count, int n);
 
 }  // namespace alcap::app
