@@ -231,6 +231,42 @@ test('a saddle dragged across the surface takes its pattern with it, in one step
   assert.notEqual(design().singularities[0].face, before.face);
 });
 
+test('a stroke is an object: chosen on the surface, weighed by a slider in one step, removed by a key', async () => {
+  await brush([-60, 20], [60, 20]);
+  const free = (await state()).meta.controls[0].error_degrees;
+  const [x, y] = await middle();
+  await page.mouse.click(x, y + 20);
+  await page.waitForSelector('.controls li.chosen .slider');
+  const weight = page.locator('.slider input[aria-label=Weight]');
+  assert.equal(await page.textContent('.slider output'), '10');
+  const box = await weight.boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  for (let s = 0.5; s <= 0.9; s += 0.05) await page.mouse.move(box.x + s * box.width, box.y + box.height / 2);
+  await page.mouse.up();
+  await settled();
+  assert.ok(design().strokes[0].weight > 100, `weight ${design().strokes[0].weight}`);
+  assert.ok((await state()).meta.controls[0].error_degrees < free);
+  assert.equal((await state()).meta.controls[0].tolerance_degrees, 10);
+  await page.keyboard.press('Control+z');
+  await page.waitForFunction(() => alcap.design.strokes?.[0]?.weight === 10);
+  await page.mouse.click(x, y + 20);
+  await page.keyboard.press('Delete');
+  await page.waitForFunction(() => !alcap.design.strokes?.length);
+});
+
+test('every format that the page offers can be saved', async () => {
+  await page.click('nav [title="Save the field for another program"]');
+  const links = await page.locator('.exports a').evaluateAll((list) => list.map((a) => a.getAttribute('href')));
+  assert.ok(links.length >= 5);
+  for (const link of links) {
+    const answer = await fetch(new URL(link, server.url));
+    assert.equal(answer.status, 200, link);
+    assert.ok((await answer.arrayBuffer()).byteLength > 10, link);
+  }
+  await page.click('.exports .plain');
+});
+
 test('a singularity that nobody asked for says so, and can be held where it is', async () => {
   const { arrays } = await state();
   const { singular, singular_faces: faces } = arrays;

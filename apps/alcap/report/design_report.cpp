@@ -114,6 +114,12 @@ Json boundary_json(const DesignBoundary& b) {
 
 }  // namespace
 
+Json tolerance_degrees(DesignOutcome::Type type) {
+  using Type = DesignOutcome::Type;
+  if (type == Type::cone) return nullptr;
+  return type == Type::stroke || type == Type::boundary ? stroke_met_degrees : target_met_degrees;
+}
+
 Json controls_json(const DesignRun& run) {
   using Type = DesignOutcome::Type;
   Json list = Json::array();
@@ -140,6 +146,7 @@ Json controls_json(const DesignRun& run) {
         break;
     }
     json["error_degrees"] = number(outcome.error_degrees);
+    json["tolerance_degrees"] = tolerance_degrees(outcome.type);
     json["met"] = outcome.met;
     list.push_back(std::move(json));
   }

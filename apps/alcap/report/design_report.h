@@ -11,7 +11,10 @@
 
 namespace alcap::app {
 
-/// One entry per outcome: path, name, type, asked, achieved, error_degrees, met.
+/// Up to which error_degrees a control counts as met; null for cones, which are counted in turns.
+[[nodiscard]] Json tolerance_degrees(DesignOutcome::Type type);
+
+/// One entry per outcome: path, name, type, asked, achieved, error_degrees, tolerance_degrees, met.
 [[nodiscard]] Json controls_json(const DesignRun& run);
 
 /// Where the guidance field came from, its weight, and what it was scaled by.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "apps/alcap/studio/studio_solver.h"
 
+#include "apps/alcap/report/design_report.h"
 #include "src/base/clock.h"
 
 namespace alcap::app {
@@ -29,8 +30,10 @@ std::shared_ptr<const StudioResult> StudioSolver::solve(const DesignFile& design
   result->singularities = std::move(run.singularities);
   for (const DesignOutcome& outcome : run.outcomes)
     if (outcome.control)
-      result->controls.push_back(
-          {{"path", outcome.path}, {"met", outcome.met}, {"error_degrees", outcome.error_degrees}});
+      result->controls.push_back({{"path", outcome.path},
+                                  {"met", outcome.met},
+                                  {"error_degrees", outcome.error_degrees},
+                                  {"tolerance_degrees", tolerance_degrees(outcome.type)}});
   result->id = ++results_;
   result->seconds = watch.seconds();
   return result;

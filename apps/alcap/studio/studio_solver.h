@@ -24,7 +24,7 @@ class StudioResult {
   ConnectedSurface surface;
   Field field;
   std::vector<Singularity> singularities;
-  Json controls = Json::array();  ///< path, met, error_degrees
+  Json controls = Json::array();  ///< path, met, error_degrees, tolerance_degrees
   double seconds = 0;
 
   /// What pages and files are made of; refers to this.

@@ -16,7 +16,8 @@ export function listen(stage, table) {
     f: () => stage.frame(stage.diagonal), u: () => stage.cycleUp(), ...table,
   };
   addEventListener('keydown', (event) => {
-    if (event.target.matches?.('input:not([type=checkbox]), select, textarea') || document.querySelector('dialog[open]')) return;
+    if (event.target.matches?.('input:not([type=checkbox], [type=range]), select, textarea') || document.querySelector('dialog[open]')) return;
+    if (event.target.matches?.('[type=range]') && /^(Arrow|Page|Home|End)/.test(event.key)) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     const name = (event.ctrlKey || event.metaKey ? 'Ctrl+' : '') + (event.shiftKey && key.length === 1 && /[a-z]/.test(key) ? 'Shift+' : '') + key;
     if (!all[name] || event.altKey) return;

@@ -25,7 +25,8 @@ export async function startStudio(stage, ui, boot) {
 class Studio {
   constructor(stage, ui, mesh) {
     this.stage = stage;
-    this.selected = -1;
+    this.selected = -1;  // of the singularities
+    this.stroked = -1;   // of the strokes
     this.tool = 'turn';
     this.view = new View(stage, mesh);
     this.title = mesh.meta.title;
@@ -52,15 +53,16 @@ class Studio {
     this.help = makeHelp([...studioKeys, ...viewKeys.filter(([k]) => k !== '?')]);
     this.undoButton = h('button', { type: 'button', title: 'Undo (Ctrl+Z)', onclick: () => this.store.step('undo') }, 'Undo');
     this.redoButton = h('button', { type: 'button', title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.store.step('redo') }, 'Redo');
+    this.exports = makeExports();
     const file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, onchange: () => this.open(file) });
     const menu = h('nav', { class: 'tools', 'aria-label': 'Design' }, this.undoButton, this.redoButton, h('i', {}),
       h('button', { type: 'button', title: 'Open a design.json', onclick: () => file.click() }, 'Open'),
       h('button', { type: 'button', title: 'Save design.json', onclick: () => { location.href = address('/api/design'); } }, 'Save'),
-      h('button', { type: 'button', title: 'Save the field as .ply', onclick: () => { location.href = address('/api/export', { format: 'ply' }); } }, 'Export'),
+      h('button', { type: 'button', title: 'Save the field for another program', onclick: () => this.exports.showModal() }, 'Export'),
       h('button', { type: 'button', title: 'Save a picture (P)', class: 'wide', onclick: () => savePicture(stage, this.title) }, 'Picture'),
       h('button', { type: 'button', title: 'Keys (?)', class: 'wide', onclick: () => this.help.showModal() }, 'Keys'), file);
     this.card = h('div', { class: 'card', role: 'status', hidden: true });
-    ui.append(this.handles.layer, this.panel, this.tools, menu, this.card, this.help);
+    ui.append(this.handles.layer, this.panel, this.tools, menu, this.card, this.help, this.exports);
     stage.resize();
     stage.frame(mesh.meta.diagonal);
     onClick(stage.canvas, (event) => this.click(event));
@@ -70,7 +72,7 @@ class Studio {
       v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), k: () => this.trivial() && this.choose('cone'),
       a: () => this.choose(kindsOf(this.design.n)[0][0]), z: () => this.choose(kindsOf(this.design.n).at(-1)[0]),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
-      Delete: () => this.remove(), Backspace: () => this.remove(), p: () => savePicture(stage, this.title), '?': () => this.help.showModal(),
+      Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => savePicture(stage, this.title), '?': () => this.help.showModal(),
     });
   }
 
@@ -95,14 +97,45 @@ class Studio {
 
   select(k) {
     this.selected = k;
+    this.stroked = -1;
     this.show(this.design);
   }
 
-  remove() {
-    if (this.selected < 0) return;
-    const k = this.selected;
+  selectStroke(k) {
     this.selected = -1;
+    this.stroked = k;
+    this.show(this.design);
+  }
+
+  remove(k) {
+    this.selected = this.stroked = -1;
     this.change((d) => { d.singularities.splice(k, 1); });
+  }
+
+  removeStroke(k) {
+    this.selected = this.stroked = -1;
+    this.change((d) => { d.strokes.splice(k, 1); });
+  }
+
+  removeChosen() {
+    if (this.selected >= 0) this.remove(this.selected);
+    else if (this.stroked >= 0) this.removeStroke(this.stroked);
+  }
+
+  /** The stroke that passes closest to a point of the surface, within a little; -1 for none. */
+  strokeAt(point) {
+    let best = 0.012 * this.stage.diagonal, found = -1;
+    (this.design.strokes || []).forEach((stroke, k) => {
+      for (const p of this.pointsOf(stroke)) {
+        const distance = Math.hypot(...p.map((x, c) => x - point[c]));
+        if (distance < best) [best, found] = [distance, k];
+      }
+    });
+    return found;
+  }
+
+  pointsOf(stroke) {
+    return (stroke.points || []).filter((p) => p.barycentric).map((p) => pointIn(this.view.surface, p.face, p.barycentric));
   }
 
   turn(k, degrees, gesture) {
@@ -153,7 +186,9 @@ class Studio {
     if (this.tool === 'turn') {
       const near = this.view.near(hit.point);
       const placed = near >= 0 && (this.design.singularities || []).some((s) => s.face === this.view.arrays.singular_faces[near]);
-      this.select(-1);
+      const stroke = near < 0 ? this.strokeAt(hit.point) : -1;
+      if (stroke >= 0) this.selectStroke(stroke);
+      else this.select(-1);
       if (near >= 0 && !placed) this.tell(near);
       return;
     }
@@ -200,7 +235,7 @@ class Studio {
   }
 
   preview(points = []) {
-    const lines = [...(this.design?.strokes || []).map((s) => (s.points || []).filter((p) => p.barycentric).map((p) => pointIn(this.view.surface, p.face, p.barycentric))), points.map((p) => p.point)];
+    const lines = [...(this.design?.strokes || []).map((s) => this.pointsOf(s)), points.map((p) => p.point)];
     this.stroke.curves(new Float32Array(lines.flat(2)), lines.reduce((all, l) => [...all, all.at(-1) + l.length], [0]));
     this.stage.draw();
   }
@@ -222,6 +257,7 @@ class Studio {
   /** What can be seen of a design before its field is there. */
   show(design) {
     if (this.selected >= (design.singularities || []).length) this.selected = -1;
+    if (this.stroked >= (design.strokes || []).length) this.stroked = -1;
     this.handles.set(design.singularities || [], this.selected);
     this.sections.controls.refresh(design, this.controls);
     this.sections.field.refresh(design);
@@ -276,6 +312,20 @@ class Studio {
     this.status.className = `chip ${{ ready: 'good', problem: 'bad', lost: 'bad', note: '' }[kind] ?? ''}`;
     this.status.textContent = kind === 'ready' ? (text ? `Solved in ${Math.max(1, Math.round(text * 1000))} ms · saved` : 'Saved') : text;
   }
+}
+
+/** The files that the field can be saved as: see docs/file-formats.md. */
+function makeExports() {
+  const save = (format, part, text) => h('li', {}, h('a', { href: address('/api/export', { format, part }), onclick: () => dialog.close() }, text));
+  const dialog = h('dialog', { class: 'exports', 'aria-label': 'Export' }, h('h2', {}, 'Save the field as'),
+    h('ul', {},
+      save('ply', 0, 'PLY: mesh and field, read again by alcap'),
+      save('vtp', 0, 'VTP: mesh and field, for ParaView'), save('vtp', 1, 'VTP: its singularities'),
+      save('rawfield', 0, 'rawfield: vectors per vertex, for Directional'), save('rawfield', 1, 'sings: its singularities'),
+      save('rosy', 0, 'rosy: one direction per face, for QuadWild')),
+    h('form', { method: 'dialog' }, h('button', { class: 'plain' }, 'Close')));
+  dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });
+  return dialog;
 }
 
 /** A zero on an edge belongs to neither face: a little inside. */

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_panel.js: the parts of the studio's panel that say what the design is and change it.
-import { fraction, h, section, segmented, toggle } from './dom.js';
+import { fraction, h, section, segmented, short, toggle } from './dom.js';
 import { mark } from './panel.js';
 
 const titles = { source: 'Source', sink: 'Sink', vortex: 'Vortex', spiral: 'Spiral', saddle: 'Saddle', wedge: 'Wedge', trisector: 'Trisector' };
@@ -55,28 +55,70 @@ function setSymmetry(design, n) {
   for (const c of design.connection?.cones || []) c.index = Math.round(coneIndex(c.index) * n) / n;
 }
 
-/** Everything that was asked for, each with what became of it. */
+/** Everything that was asked for, each with what became of it; the chosen one with its numbers. */
 export function controlsSection(app) {
   const list = h('ul', { class: 'controls' });
   const element = section('Design', list);
+  let shape = '', updates = [];
   element.refresh = (design, reports) => {
     const report = new Map((reports || []).map((r) => [r.path, r]));
-    const row = (path, label, remove, { icon, selected, onclick } = {}) => {
-      const r = report.get(path);
-      const state = r && (r.met ? h('span', { class: 'met', title: 'Met' }, '✓') : h('span', { class: 'unmet', title: `Off by ${r.error_degrees.toFixed(1)}°` }, `${r.error_degrees.toFixed(0)}°`));
-      return h('li', { class: selected ? 'chosen' : '' }, h('button', { type: 'button', class: 'name', onclick }, icon || '', label), state || '',
-        h('button', { type: 'button', class: 'close', 'aria-label': `Remove ${label}`, onclick: remove }, '×'));
-    };
     const rows = [
-      ...(design.singularities || []).map((s, k) => row(`/singularities/${k}`, `${titles[s.kind]} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`,
-        () => app.change((d) => { d.singularities.splice(k, 1); app.selected = -1; }),
-        { icon: mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), selected: k === app.selected, onclick: () => app.select(k) })),
-      ...(design.strokes || []).map((s, k) => row(`/strokes/${k}`, `Stroke ${k + 1}`, () => app.change((d) => { d.strokes.splice(k, 1); }), { icon: h('i', { class: 'mark stroke' }) })),
+      ...(design.singularities || []).map((s, k) => ({
+        path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: s.kind,
+        label: `${titles[s.kind]} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
+        numbers: () => [slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.change((d) => { d.singularities[k].strength = v; }, gesture))],
+      })),
+      ...(design.strokes || []).map((s, k) => ({
+        path: `/strokes/${k}`, icon: () => h('i', { class: 'mark stroke' }), chosen: k === app.stroked, kind: 'stroke',
+        label: `Stroke ${k + 1}`, choose: () => app.selectStroke(k), remove: () => app.removeStroke(k),
+        numbers: () => [
+          slider('Weight', { least: 0.1, most: 1000, value: s.weight ?? 1 }, (v, gesture) => app.change((d) => { d.strokes[k].weight = v; }, gesture)),
+          slider('Width', { least: 0, most: 0.2 * app.view.meta.diagonal, value: s.radius ?? 0, even: true }, (v, gesture) => app.change((d) => { d.strokes[k].radius = v; }, gesture)),
+        ],
+      })),
     ];
-    list.replaceChildren(...rows);
-    if (!rows.length) list.append(h('li', { class: 'empty' }, 'Nothing yet. Choose a tool on the left, then click on the surface; with the brush, draw on it.'));
+    // A slider under the hand stays the element that it is.
+    const next = JSON.stringify(rows.map(({ path, chosen, kind }) => [path, chosen, kind]));
+    if (next !== shape) {
+      shape = next;
+      const made = rows.map(controlRow);
+      list.replaceChildren(...made.map((m) => m.element));
+      updates = made.map((m) => m.update);
+      if (!rows.length) list.append(h('li', { class: 'empty' }, 'Nothing yet. Choose a tool on the left, then click on the surface; with the brush, draw on it.'));
+    }
+    rows.forEach((r, k) => updates[k](r, report.get(r.path)));
   };
   return element;
+}
+
+function controlRow({ icon, chosen, numbers, choose, remove }) {
+  const text = h('span', {}), state = h('span', {});
+  const close = h('button', { type: 'button', class: 'close', onclick: remove }, '×');
+  const element = h('li', { class: chosen ? 'chosen' : '' },
+    h('button', { type: 'button', class: 'name', 'aria-pressed': String(chosen), onclick: choose }, icon(), text), state, close, chosen ? h('div', { class: 'numbers' }, ...numbers()) : null);
+  const update = ({ label }, report) => {
+    text.textContent = label;
+    close.setAttribute('aria-label', `Remove ${label}`);
+    state.className = report ? (report.met ? 'met' : 'unmet') : '';
+    state.textContent = report ? (report.met ? '✓' : `${short(report.error_degrees)}°`) : '';
+    state.title = report ? `Off by ${short(report.error_degrees)}°; counts as met up to ${short(report.tolerance_degrees)}°` : '';
+  };
+  return { element, update };
+}
+
+/** A number between two ends, on a scale of powers unless it is even. */
+function slider(label, { least, most, value, even }, change) {
+  const to = (v) => (even ? v : Math.log10(v)), from = (x) => (even ? Number(x) : Number((10 ** x).toPrecision(3)));
+  const shown = h('output', {}, short(value));
+  const name = () => `slider-${Date.now()}`;
+  let gesture = name();
+  const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / 200, 'aria-label': label, oninput: () => {
+    const v = from(input.value);
+    shown.textContent = short(v);
+    change(v, gesture);
+  }, onchange: () => { gesture = name(); } });
+  input.value = to(value);
+  return h('label', { class: 'slider' }, h('span', {}, label), input, shown);
 }
 
 /** Cones of a trivial connection, and whether they sum to what topology demands. */
