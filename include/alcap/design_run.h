@@ -62,17 +62,16 @@ struct DesignOutcome {
   double cone_asked = 0, cone_index = 0;  ///< cones: index asked for at the vertex and index it has, in turns
 };
 
-/// What must hold for the result to be what was asked for.
+/// What was checked of the field itself; whether it has what was asked for is DesignRun::met().
 struct DesignCertificate {
   bool connection_converged = false;  ///< the connection reached its tolerance
   bool eigen_converged = false;       ///< every eigenproblem on the way
   bool residual_small = false;        ///< recomputed residual <= DesignRunOptions::residual
   bool index_sums_match = false;      ///< Poincare-Hopf, on every component
   bool finite = false;                ///< no value of the field is NaN or infinite
-  bool controls_met = false;          ///< every outcome
   /// All of the above.
   [[nodiscard]] bool holds() const {
-    return connection_converged && eigen_converged && residual_small && index_sums_match && finite && controls_met;
+    return connection_converged && eigen_converged && residual_small && index_sums_match && finite;
   }
 };
 
@@ -106,6 +105,8 @@ struct DesignRun {
   std::vector<Remark> remarks;             ///< about the result; those about the mesh are mesh_remarks()
   DesignTimes times;                       ///< wall clock
 
+  /// Whether every control is met: all outcomes.
+  [[nodiscard]] bool met() const;
   /// Half-edges.
   [[nodiscard]] const Mesh& mesh() const { return surface.mesh(); }
   /// Lengths, angles, areas.
@@ -118,8 +119,8 @@ struct DesignRun {
 
 /// The field of a design. One that asks for nothing, neither control nor guidance, gets the smoothest field of its
 /// connection, of root mean square length 1. Throws OptionError whose field is the JSON path of what is wrong,
-/// FileError for a guidance file that cannot be used, SolveError; what was not met or did not converge is told by the
-/// certificate.
+/// FileError for a guidance file that cannot be used, SolveError; what did not converge is told by the certificate,
+/// what was not met by the outcomes.
 [[nodiscard]] DesignRun run_design(const Surface& surface, const DesignFile& design,
                                    const DesignRunOptions& options = {});
 

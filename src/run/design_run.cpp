@@ -272,6 +272,10 @@ RunControl control_of(const DesignRunOptions& options) {
 
 }  // namespace
 
+bool DesignRun::met() const {
+  return std::all_of(outcomes.begin(), outcomes.end(), [](const DesignOutcome& o) { return o.met; });
+}
+
 struct DesignSession::State {
   detail::DesignStages stages;
   RunControl control;

@@ -37,6 +37,7 @@ enum class Exit {
   uncertified = 5,   ///< results were written, but their certificate does not hold
   output = 6,        ///< an output could not be written
   solver = 7,        ///< a solver gave up, or memory ran out
+  unmet = 8,         ///< results were written and certified, but a control of the design is not met
   interrupted = 130  ///< stopped by a signal while writing; nothing is left behind
 };
 

@@ -8,6 +8,7 @@
 #include "alcap/design_run.h"
 #include "alcap/memory.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/commands/show_options.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/design_options.h"
 #include "apps/alcap/options/shared_options.h"
@@ -28,15 +29,18 @@ constexpr const char* footer =
     "  alcap design ball.ply --design saddle.json -n 4 -o out         the same design as a cross field\n"
     "  alcap design ball.ply --cone 0:1 --cone 41:1 --guidance smoothest -o out\n"
     "  alcap design ball.ply --fix 12:0,0,1 --guidance out/field.ply:0.5 -o edited\n"
+    "  alcap design ball.ply --design saddle.json --png saddle.png    a picture\n"
     "  alcap design ball.ply --design saddle.json --explain           what would be solved\n"
     "\n"
-    "Faces and vertices count from 0, angles are in degrees. docs/design.md describes the design file. Exit code 5\n"
-    "means that the files were written, but some control was not met or the certificate does not hold.";
+    "Faces and vertices count from 0, angles are in degrees. docs/design.md describes the design file. Exit code 8\n"
+    "means that the field was written and certified, but some control is not met; 5, that the certificate does\n"
+    "not hold.";
 
 struct DesignOptionsGiven {
   MeshChoice mesh = {};
   DesignFlags flags = {};
   FilesChoice files = {};
+  ShowOptions show = {};
   std::string solver = "auto";
   bool unit = false;
   bool explain = false;
@@ -108,6 +112,7 @@ Json times_json(const Inputs& in, const DesignTimes& times, double write, double
 Outcome run(const DesignOptionsGiven& options, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
+  check_show(options.show);
   const Inputs in = read_inputs(options, progress);
   if (options.explain) return explain(options, in);
   const DesignRun result = solve(options, in, progress);
@@ -121,19 +126,24 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
     write_design(folder / "design.json", in.design);
     return std::vector<std::string>{"design.json"};
   };
-  write_files(plan, options.files, output_of(result), write_asked,
-              [&](const std::vector<std::string>& files) -> const Json& {
-                report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
-                report["peak_memory_bytes"] = peak_memory_bytes();
-                report["files"] = files;
-                return report;
-              });
+  const FieldOutput output = output_of(result);
+  write_files(plan, options.files, output, write_asked, [&](const std::vector<std::string>& files) -> const Json& {
+    report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
+    report["peak_memory_bytes"] = peak_memory_bytes();
+    report["files"] = files;
+    return report;
+  });
+
+  write_show(output, options.mesh.path.stem().string(), options.show, report);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = design_summary(outcome.report);
   if (!result.certificate.holds()) {
     outcome.exit = Exit::uncertified;
-    outcome.complaint = complaint("not everything asked for holds:", remarks);
+    outcome.complaint = complaint("the certificate does not hold:", remarks);
+  } else if (!result.met()) {
+    outcome.exit = Exit::unmet;
+    outcome.complaint = complaint("the design is not met everywhere:", remarks);
   }
   return outcome;
 }
@@ -144,6 +154,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_mesh_options(app, options->mesh);
   add_design_options(app, options->flags);
   add_files_options(app, options->files);
+  add_show_options(app, options->show);
   app.add_flag("--unit,--normalise,--direction", options->unit,
                "Write unit directions instead of n-vectors of varying length");
   app.add_flag("--explain", options->explain, "Print what would be solved, and solve nothing");

@@ -10,11 +10,9 @@
 #include "alcap/memory.h"
 #include "apps/alcap/commands/batch_field.h"
 #include "apps/alcap/commands/commands.h"
+#include "apps/alcap/commands/show_options.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
-#include "apps/alcap/page/html_page.h"
-#include "apps/alcap/page/view_scene.h"
-#include "apps/alcap/picture/png_picture.h"
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
@@ -45,8 +43,7 @@ struct FieldOptions {
   MeshChoice mesh = {};
   FieldRunOptions run = {};
   FilesChoice files = {};
-  PictureOptions picture = {};
-  std::filesystem::path html = {};  // no page
+  ShowOptions show = {};
   BatchChoice batch = {};
 };
 
@@ -92,11 +89,7 @@ std::string summary(const FieldOptions& options, const Json& report) {
 Outcome run(FieldOptions options, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
-  check_picture(options.picture);
-  if (!options.html.empty()) {
-    check_page();
-    check_writable(options.html);
-  }
+  check_show(options.show);
 
   RunSeconds times;
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
@@ -121,12 +114,7 @@ Outcome run(FieldOptions options, Progress& progress) {
     report["files"] = files;
     return report;
   });
-  if (!options.html.empty()) {
-    write_text(options.html, html_page(make_scene(output, options.mesh.path.stem().string(), report)));
-    report["files"].push_back(options.html.string());
-  }
-
-  for (const std::string& picture : write_pictures(output, options.picture)) report["files"].push_back(picture);
+  write_show(output, options.mesh.path.stem().string(), options.show, report);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = summary(options, outcome.report);
@@ -161,8 +149,6 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->capture_default_str()
       ->check(cli::Range(1, 1000));
   add_files_options(app, options->files);
-  app.add_option("--html", options->html, "Also write a page that shows the field in any browser, in one file")
-      ->type_name("FILE");
   app.add_flag("--unit,--normalise,--direction", options->run.normalise,
                "Write unit directions instead of n-vectors of varying length");
   app.add_option("-s,--energy,--s", options->run.s,
@@ -172,7 +158,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->check(cli::Range(-1.0, 1.0));
   add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
-  add_picture_options(app, options->picture);
+  add_show_options(app, options->show);
   return [options](const Common& common, Progress& progress) {
     if (!options->batch.list.empty()) return run_batch_of(*options, common);
     if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");

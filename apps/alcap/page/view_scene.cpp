@@ -187,7 +187,10 @@ ViewPack make_scene(const FieldOutput& source, const std::string& title, const J
   add_scalars(pack, source);
   pack.meta["euler"] = source.surface.topology().euler();
   pack.meta["figures"] = figures(report);
-  if (report.contains("certificate")) pack.meta["holds"] = report.value("ok", false);
+  if (report.contains("certificate")) {
+    pack.meta["met"] = report.value("met", true);
+    pack.meta["holds"] = report.value("ok", false) || report.value("certified", false);
+  }
   return pack;
 }
 

@@ -180,7 +180,7 @@ Json design_json(const DesignFile& design) { return Json::parse(design_text(desi
 Json design_report(const Json& input, const DesignFile& asked, const DesignRun& run,
                    const std::vector<Remark>& remarks) {
   const DesignCertificate& certificate = run.certificate;
-  Json report = report_head("design", certificate.holds());
+  Json report = report_head("design", certificate.holds() && run.met());
   report["input"] = input;
   report["design"] = design_json(asked);
   report["mesh"] = mesh_json(run.surface);
@@ -193,8 +193,9 @@ Json design_report(const Json& input, const DesignFile& asked, const DesignRun& 
                            {"eigen_converged", certificate.eigen_converged},
                            {"residual_small", certificate.residual_small},
                            {"index_sums_match", certificate.index_sums_match},
-                           {"finite", certificate.finite},
-                           {"controls_met", certificate.controls_met}};
+                           {"finite", certificate.finite}};
+  report["certified"] = certificate.holds();
+  report["met"] = run.met();
   report["warnings"] = remarks_json(remarks, true);
   report["notes"] = remarks_json(remarks, false);
   return report;

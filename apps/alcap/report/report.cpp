@@ -187,6 +187,8 @@ const char* name(Exit exit) {
       return "output";
     case Exit::solver:
       return "solver";
+    case Exit::unmet:
+      return "unmet";
     case Exit::interrupted:
       return "interrupted";
   }
@@ -333,7 +335,10 @@ std::string summary_end(const Json& report) {
   for (const Json& w : report["notes"]) text += summary_line("note", w["message"].get<std::string>());
   for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();
   if (!files.empty()) text += summary_line("wrote", files);
-  return text + summary_line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
+  const bool certified = report.value("certified", report["ok"].get<bool>());
+  text += summary_line("certificate", certified ? "holds" : "DOES NOT HOLD, see the warnings");
+  if (report.contains("met")) text += summary_line("design", report["met"].get<bool>() ? "met" : "NOT MET everywhere");
+  return text;
 }
 
 std::string complaint(const std::string& head, const std::vector<Remark>& remarks) {

@@ -18,7 +18,7 @@ export function makePanel(header, ...sections) {
 export function makeHeader(meta) {
   const chip = meta.holds === undefined ? null
     : h('span', { class: meta.holds ? 'chip good' : 'chip bad', title: meta.holds ? 'Residual, indices and convergence were checked' : 'Something did not converge or match; see the report' },
-      meta.holds ? '✓ Certified' : '! Not certified');
+      meta.holds ? (meta.met === false ? '✓ Certified · design not met' : '✓ Certified') : '! Not certified');
   return h('header', {}, h('h1', {}, meta.title), h('p', { class: 'sub' }, `${fieldName(meta.n)} · n = ${meta.n}`), chip);
 }
 
