@@ -13,6 +13,9 @@ log=${TMPDIR:-/tmp}/alcap-setup-$(id -u).log
 build_packages=(g++ cmake ninja-build libeigen3-dev libtbb-dev libsuitesparse-dev libopenblas-dev libspectra-dev
   libfast-float-dev libcli11-dev nlohmann-json3-dev libfmt-dev libcpp-httplib-dev doctest-dev libpng-dev
   libegl-dev libgles-dev libgl1-mesa-dri)
+# Of the Python package and its tests.
+python_packages=(python3-dev pybind11-dev python3-pybind11 python3-numpy python3-scipy python3-matplotlib python3-pip
+  python3-venv python3-pytest mypy)
 
 say() { printf '\n== %s\n' "$*"; }
 die() {

@@ -24,14 +24,16 @@ set(layers
   "src/design              | controls aligned designer eigen_design design_file"
   "src/io/field            | output"
   "src/run                 | field_run design_run batch alcap"
-  "apps                    |")
+  "apps                    |"
+  "python                  |")
 # What files of a part may include: the standard library, the layers of these parts, and third-party headers.
 set(parts
   "include/alcap | include               | Eigen/"
   "kernels       | kernels               |"
   "src           | include src kernels solvers | Eigen/ fast_float/ nlohmann/"
   "solvers       | include src kernels solvers | Eigen/"
-  "apps          | include apps src/base src/simd/isa.h | Eigen/ fmt/ nlohmann/")
+  "apps          | include apps src/base src/simd/isa.h | Eigen/ fmt/ nlohmann/"
+  "python        | include apps python | pybind11/")
 # Doors: what only the files that match may include.
 set(doors
   "^(oneapi/)?tbb/ = ^src/base/parallel\\.h$"
@@ -101,7 +103,7 @@ endfunction()
 function(ours out header)
   if(header MATCHES "^alcap/")
     set(${out} include/${header} PARENT_SCOPE)
-  elseif(header MATCHES "^(kernels|src|solvers|apps)/")
+  elseif(header MATCHES "^(kernels|src|solvers|apps|python)/")
     set(${out} ${header} PARENT_SCOPE)
   else()
     set(${out} "" PARENT_SCOPE)

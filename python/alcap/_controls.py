@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: MIT
+"""What a design can ask for."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Optional, Tuple, Union
+
+from ._alcap import Polyline
+
+
+@dataclass(frozen=True)
+class SingularityTarget:
+    """A singularity of index sign / n in a face.
+
+    Parameters
+    ----------
+    face : int
+    sign : int
+        +1: source, vortex, spiral (n = 1), wedge (n = 2); -1: saddle, trisector.
+    orientation : float
+        Radians, in the face's frame (its first edge). n = 1 and positive: 0 source, pi/2 vortex, pi sink; otherwise
+        the direction of one of the straight branches.
+    strength : float
+        1 holds against a guidance field of unit length.
+    pin : (float, float, float), optional
+        Puts the zero exactly at these barycentric coordinates.
+    """
+
+    face: int
+    sign: int = 1
+    orientation: float = 0.0
+    strength: float = 1.0
+    pin: Optional[Tuple[float, float, float]] = None
+    kind: ClassVar[str] = 'singularity'
+
+
+@dataclass(frozen=True)
+class VertexConstraint:
+    """The field at a vertex: u[vertex] = value, or with `direction_only` a real multiple of it.
+
+    Parameters
+    ----------
+    vertex : int
+    value : complex
+        The n-th power of a branch, in the vertex frame.
+    direction_only : bool
+    """
+
+    vertex: int
+    value: complex = 1.0
+    direction_only: bool = False
+    kind: ClassVar[str] = 'vertex'
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Alignment with a line on the surface, softly.
+
+    Parameters
+    ----------
+    line : Polyline
+        From stroke_through_points(), stroke_along_vertices() or stroke_from_space().
+    weight : float
+        Larger follows closer.
+    radius : float
+        Half the width of a hat-shaped footprint, in the unit of V; 0: the line alone.
+    """
+
+    line: Polyline
+    weight: float = 1.0
+    radius: float = 0.0
+    kind: ClassVar[str] = 'stroke'
+
+
+@dataclass(frozen=True)
+class BoundaryAlignment:
+    """Alignment with every boundary loop, softly: along it, or with `normal` across it."""
+
+    normal: bool = False
+    weight: float = 1.0
+    kind: ClassVar[str] = 'boundary'
+
+
+Control = Union[SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment]

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: MIT
+//
+// bindings.h: the parts of the extension module _alcap, one file each: pybind11 compiles slowly.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#define ALCAP_BINDINGS(X) \
+  X(errors)               \
+  X(surface) X(shapes) X(connection) X(field) X(operators) X(solve) X(backends) X(curves) X(design) X(io) X(run)
+
+namespace alcap::python {
+
+#define ALCAP_DECLARE(part) void bind_##part(pybind11::module_& m);
+ALCAP_BINDINGS(ALCAP_DECLARE)
+#undef ALCAP_DECLARE
+
+}  // namespace alcap::python

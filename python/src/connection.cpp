@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: MIT
+//
+// connection.cpp: connections of all kinds, cones, frames, parallel transport.
+#include "alcap/connection.h"
+
+#include "alcap/cones.h"
+#include "alcap/transport.h"
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+#include "python/src/options.h"
+
+namespace alcap::python {
+
+std::vector<Cone> cones_of(const py::object& list) {
+  std::vector<Cone> out;
+  if (list.is_none()) return out;
+  for (const py::handle item : list) {
+    const auto pair = py::reinterpret_borrow<py::sequence>(item);
+    out.push_back({.vertex = pair[0].cast<Index>(), .index = pair[1].cast<double>()});
+  }
+  return out;
+}
+
+py::list cones_list(const std::vector<Cone>& cones) {
+  py::list out;
+  for (const Cone& c : cones) out.append(py::make_tuple(c.vertex, c.index));
+  return out;
+}
+
+ConnectionOptions connection_of(const py::dict& d) {
+  ConnectionOptions out;
+  for (const auto& [key, value] : d) {
+    const auto name = key.cast<std::string>();
+    const auto object = py::reinterpret_borrow<py::object>(value);
+    if (name == "connection") {
+      const auto text = value.cast<std::string>();
+      const auto choice = connection_choice(text);
+      if (!choice) throw OptionError(name, text, "must be one of polar polar-barycenter local global trivial");
+      out.kind = choice->kind;
+      out.polar.center = choice->center;
+    } else if (name == "detail") {
+      out.global.detail = value.cast<double>();
+    } else if (name == "length_factor") {
+      out.global.length_factor = named<LengthFactor>(value.cast<std::string>(), "length_factor");
+    } else if (name == "tan_cap") {
+      out.global.tan_cap = value.cast<double>();
+    } else if (name == "cones") {
+      out.cones = cones_of(object);
+    } else if (name == "balance_cones") {
+      out.balance_cones = value.cast<bool>();
+    } else if (name == "generator_holonomy") {
+      out.generator_holonomy = value.cast<std::vector<double>>();
+    } else if (name == "loop_index") {
+      out.loop_index = value.cast<std::vector<double>>();
+    } else if (name == "n") {
+      out.n = value.cast<int>();
+    } else {
+      throw OptionError(name, py::str(object).cast<std::string>(), "is no option of a connection");
+    }
+  }
+  return out;
+}
+
+namespace {
+
+py::array reals(const ConnectedSurface& s, const VectorX<double>& values) {
+  return shared(values.data(), {values.size()}, s);
+}
+
+void bind_frames(py::module_& m) {
+  using Handle = std::shared_ptr<Frames>;
+  py::class_<Frames, Handle> c(m, "Frames",
+                               "Frames of vertices or faces: a unit axis X, a unit normal N, and Y = N x X. A complex\n"
+                               "component z is the vector Re(z) X + Im(z) Y.");
+  c.def(py::init([](const py::object& X, const py::object& N) {
+          auto frames = std::make_shared<Frames>();
+          frames->X = positions_of(X, "X");
+          frames->N = positions_of(N, "N");
+          if (frames->X.rows() != frames->N.rows())
+            throw OptionError("N", frames->N.rows(), "must have as many rows as X");
+          return frames;
+        }),
+        py::arg("X"), py::arg("N"));
+  c.def_property_readonly(
+      "X",
+      [](const Handle& f) {
+        return shared(f->X.data(), {f->X.rows(), 3}, f);
+      },
+      "(k, 3) float64, read-only, no copy: unit tangent axes.");
+  c.def_property_readonly(
+      "N",
+      [](const Handle& f) {
+        return shared(f->N.data(), {f->N.rows(), 3}, f);
+      },
+      "(k, 3) float64, read-only, no copy: unit normals.");
+  c.def(
+      "vectors",
+      [](const Frames& f, const py::object& z) {
+        const auto values = complex_of(z, "z", f.X.rows());
+        Positions<double> out(f.X.rows(), 3);
+        for (Index k = 0; k < out.rows(); ++k) out.row(k) = f.vector(k, values[k]);
+        return moved_rows(std::move(out));
+      },
+      py::arg("z"), "(k, 3) float64: the tangent vectors with components z (k,).");
+  c.def(
+      "components",
+      [](const Frames& f, const py::object& w) {
+        const auto rows = positions_of(w, "w");
+        if (rows.rows() != f.X.rows()) throw OptionError("w", rows.rows(), "must have a row per frame");
+        ComplexVectorX<double> out(rows.rows());
+        for (Index k = 0; k < rows.rows(); ++k) out[k] = f.component(k, rows.row(k));
+        return moved(std::move(out));
+      },
+      py::arg("w"), "(k,) complex128: the components of the projections of vectors w (k, 3).");
+  m.def("face_frames", [](const Surface& s) { return std::make_shared<Frames>(face_frames(s)); });
+}
+
+void bind_connected(py::module_& m) {
+  py::class_<ConnectedSurface, Surface> c(
+      m, "ConnectedSurface",
+      "A surface with a connection on it, see connect(). Angles are radians, frames and signs those of\n"
+      "docs/notation.md: rho turns components from vertex to vertex, K is the curvature of a face.");
+  const auto prop = [&](const char* name, auto get, const char* doc) { c.def_property_readonly(name, get, doc); };
+  prop(
+      "kind", [](const ConnectedSurface& s) { return name(s.connection().kind); },
+      "str: 'polar', 'local', 'global' or 'trivial'.");
+  prop(
+      "rho", [](const ConnectedSurface& s) { return reals(s, s.connection().rho); },
+      "(#E,) float64, no copy: rotation from vertex to vertex along the canonical halfedge.");
+  prop(
+      "rho_e", [](const ConnectedSurface& s) { return reals(s, s.connection().rho_e); },
+      "(2 #E,) float64, no copy: rotation from either vertex to the edge.");
+  prop(
+      "rho_t", [](const ConnectedSurface& s) { return reals(s, s.connection().rho_t); },
+      "(3 #F,) float64, no copy: rotation from the vertex of a corner to its face.");
+  prop(
+      "tau", [](const ConnectedSurface& s) { return reals(s, s.connection().tau); },
+      "(3 #F,) float64, no copy: lifted rotation along a halfedge inside its face.");
+  prop(
+      "eps", [](const ConnectedSurface& s) { return reals(s, s.connection().eps); },
+      "(#E,) float64, no copy: lifted rotation along the canonical halfedge, within the edge.");
+  prop(
+      "K", [](const ConnectedSurface& s) { return reals(s, s.connection().K); },
+      "(#F,) float64, no copy: lifted curvature; an n-field sees n K.");
+  prop(
+      "cones", [](const ConnectedSurface& s) { return cones_list(s.connection().cones); },
+      "list of (vertex, index in turns): the cones of a trivial connection.");
+  prop(
+      "frames", [](const ConnectedSurface& s) { return std::const_pointer_cast<Frames>(s.frames()); },
+      "Frames of the vertices.");
+  prop(
+      "connection_report",
+      [](const ConnectedSurface& s) {
+        const ConnectionReport& r = s.connection().report;
+        py::dict d;
+        d["converged"] = r.converged;
+        d["iterations"] = r.iterations;
+        d["residual"] = r.residual;
+        d["D_T"] = r.D_T;
+        d["D_E"] = r.D_E;
+        d["message"] = r.message;
+        return d;
+      },
+      "dict: converged, iterations, residual, D_T, D_E, message.");
+  c.def(
+      "rho_along",
+      [](const ConnectedSurface& s, Index h) {
+        if (h < 0 || h >= s.mesh().halfedges()) throw OptionError("h", h, "is no halfedge");
+        return s.connection().rho_along(s.mesh(), h);
+      },
+      py::arg("h"), "Rotation from vertex to vertex along halfedge h, radians.");
+  c.def(
+      "holonomy",
+      [](const ConnectedSurface& s, const py::object& strip) {
+        return holonomy(s, Loop{.component = 0, .halfedges = indices_of(strip, "strip")});
+      },
+      py::arg("strip"),
+      "How far a vector has turned after a closed strip of faces, given by the halfedges it crosses.");
+}
+
+py::tuple transported(const Transported& t) { return py::make_tuple(t.z, t.turn, t.turn_from_path); }
+
+}  // namespace
+
+void bind_connection(py::module_& m) {
+  bind_frames(m);
+  bind_connected(m);
+  m.def("connect", [](const Surface& s, const py::dict& options, const py::object& progress, int threads) {
+    const ConnectionOptions how = connection_of(options);
+    return watched(progress, threads, [&] { return connect(s, how); });
+  });
+  m.def("balance_cones", [](const Surface& s, const py::object& cones, int n) {
+    const auto given = cones_of(cones);
+    return cones_list(watched(py::none(), 0, [&] { return balance_cones(s, given, {.n = n}); }));
+  });
+  m.def("transport_along_vertices", [](const ConnectedSurface& s, const py::object& path, Complex<double> z, int n) {
+    return transported(transport(s, indices_of(path, "vertices"), z, n));
+  });
+  m.def("transport_along_line", [](const ConnectedSurface& s, const SurfacePolyline& path, Complex<double> z, int n) {
+    return transported(transport(s, path, z, n));
+  });
+}
+
+}  // namespace alcap::python

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: MIT
+//
+// design.cpp: designs: prepared once and edited live, and smoothest ones. Controls are dataclasses of
+// python/alcap/_controls.py, told apart by their attribute `kind`.
+#include <mutex>
+
+#include "alcap/connected_surface.h"
+#include "alcap/designer.h"
+#include "alcap/eigen_design.h"
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+#include "python/src/options.h"
+#include "python/src/points.h"
+
+namespace alcap::python {
+namespace {
+
+SingularityTarget target_of(const py::object& c) {
+  SingularityTarget t{.face = c.attr("face").cast<Index>(),
+                      .sign = c.attr("sign").cast<int>(),
+                      .orientation = c.attr("orientation").cast<double>(),
+                      .strength = c.attr("strength").cast<double>()};
+  if (!c.attr("pin").is_none()) t.pin = c.attr("pin").cast<std::array<double, 3>>();
+  return t;
+}
+
+Stroke stroke_of(const py::object& c) {
+  return {.weight = c.attr("weight").cast<double>(),
+          .line = c.attr("line").cast<const SurfacePolyline&>(),
+          .radius = c.attr("radius").cast<double>()};
+}
+
+Control control_of(const py::object& c) {
+  const auto kind = py::getattr(c, "kind", py::str("")).cast<std::string>();
+  if (kind == "singularity") return target_of(c);
+  if (kind == "stroke") return stroke_of(c);
+  if (kind == "vertex")
+    return VertexConstraint{.vertex = c.attr("vertex").cast<Index>(),
+                            .value = c.attr("value").cast<Complex<double>>(),
+                            .direction_only = c.attr("direction_only").cast<bool>()};
+  if (kind == "boundary")
+    return BoundaryAlignment{.normal = c.attr("normal").cast<bool>(), .weight = c.attr("weight").cast<double>()};
+  throw OptionError("control", py::str(c).cast<std::string>(),
+                    "must be a SingularityTarget, VertexConstraint, Stroke or BoundaryAlignment");
+}
+
+py::list reports(const std::vector<ControlReport>& list) {
+  py::list out;
+  for (const ControlReport& r : list) {
+    py::dict d;
+    d["id"] = static_cast<int>(r.id);
+    d["met"] = r.met;
+    d["index"] = r.index;
+    d["error_degrees"] = r.error_degrees;
+    out.append(d);
+  }
+  return out;
+}
+
+/// A Designer that several threads of Python may call, one after the other.
+class Live {
+ public:
+  Live(const ConnectedSurface& surface, const py::dict& d, const py::object& progress, int threads)
+      : progress_(progress), threads_(threads) {
+    const DesignerOptions options = options_of(d);
+    call([&] { designer_.emplace(surface, options); });
+  }
+  int add(const py::object& control) {
+    Control c = control_of(control);
+    int id = 0;
+    call([&] { id = static_cast<int>(designer_->add(std::move(c))); });
+    return id;
+  }
+  void set(int id, const py::object& control) {
+    Control c = control_of(control);
+    call([&] { designer_->set(ControlId{id}, std::move(c)); });
+  }
+  void remove(int id) {
+    call([&] { designer_->remove(ControlId{id}); });
+  }
+  void set_guidance(const py::object& u0) {
+    const auto values = complex_of(u0, "u0");
+    call([&] { designer_->set_guidance(values); });
+  }
+  void set_guidance_weight(double weight) {
+    call([&] { designer_->set_guidance_weight(weight); });
+  }
+  void set_guidance_weights(const py::object& weights) {
+    const auto values = reals_of(weights, "weights");
+    call([&] { designer_->set_guidance_weights(values); });
+  }
+  py::tuple solve() {
+    std::optional<DesignResult> r;
+    call([&] { r = designer_->solve(); });
+    py::dict report;
+    report["rows"] = r->rows;
+    report["solves"] = r->solves;
+    report["residual"] = r->residual;
+    report["solver"] = r->solver;
+    report["seconds"] = r->seconds;
+    return py::make_tuple(std::make_shared<Field>(std::move(r->field)), reports(r->controls), report);
+  }
+
+ private:
+  static DesignerOptions options_of(const py::dict& d) {
+    DesignerOptions options{.n = d["n"].cast<int>(),
+                            .guidance_weight = d["guidance_weight"].cast<double>(),
+                            .s = d["s"].cast<double>(),
+                            .kind = named<OperatorKind>(d["kind"].cast<std::string>(), "kind"),
+                            .solver = d["solver"].cast<std::string>()};
+    if (!d["t"].is_none()) options.t = d["t"].cast<double>();
+    return options;
+  }
+  void call(const std::function<void()>& body) {
+    long_call(progress_, threads_, [&] {
+      const std::lock_guard lock(mutex_);
+      body();
+    });
+  }
+  py::object progress_;
+  int threads_;
+  std::mutex mutex_;
+  std::optional<Designer> designer_;
+};
+
+py::tuple smoothest_design(const ConnectedSurface& surface, const py::object& strokes, const py::object& targets,
+                           const py::dict& d, const py::dict& eigen, const py::object& progress, int threads) {
+  EigenControls controls;
+  for (const py::handle h : strokes) {
+    const Stroke s = stroke_of(py::reinterpret_borrow<py::object>(h));
+    controls.strokes.push_back({.line = s.line, .weight = s.weight});
+  }
+  for (const py::handle h : targets) controls.singularities.push_back(target_of(py::reinterpret_borrow<py::object>(h)));
+  const EigenDesignOptions options{.n = d["n"].cast<int>(),
+                                   .s = d["s"].cast<double>(),
+                                   .offset = d["offset"].cast<double>(),
+                                   .eigen = eigen_of(eigen),
+                                   .path = named<EigenPath>(d["path"].cast<std::string>(), "path")};
+  EigenDesignResult r = watched(progress, threads, [&] { return eigen_design(surface, controls, options); });
+  py::list components, lines;
+  for (const EigenReport& e : r.components) components.append(eigen_dict(e));
+  for (const EigenStrokeReport& s : r.strokes) {
+    py::dict line;
+    line["mean_degrees"] = s.mean_degrees;
+    line["largest_degrees"] = s.largest_degrees;
+    line["magnitude"] = s.magnitude;
+    line["met"] = s.met;
+    lines.append(line);
+  }
+  return py::make_tuple(std::make_shared<Field>(std::move(r.field)), components, lines, reports(r.singularities));
+}
+
+}  // namespace
+
+void bind_design(py::module_& m) {
+  py::class_<Live>(m, "Designer")
+      .def(py::init<const ConnectedSurface&, const py::dict&, const py::object&, int>())
+      .def("add", &Live::add)
+      .def("set", &Live::set)
+      .def("remove", &Live::remove)
+      .def("set_guidance", &Live::set_guidance)
+      .def("set_guidance_weight", &Live::set_guidance_weight)
+      .def("set_guidance_weights", &Live::set_guidance_weights)
+      .def("solve", &Live::solve);
+  m.def("eigen_design", &smoothest_design);
+}
+
+}  // namespace alcap::python

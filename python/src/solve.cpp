@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+//
+// solve.cpp: linear solvers and eigensolvers.
+#include "alcap/solve.h"
+
+#include <mutex>
+
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+#include "python/src/options.h"
+
+namespace alcap::python {
+
+EigenOptions eigen_of(const py::dict& d) {
+  EigenOptions out;
+  for (const auto& [key, value] : d) {
+    const auto name = key.cast<std::string>();
+    if (name == "tolerance") {
+      out.tolerance = value.cast<double>();
+    } else if (name == "solver") {
+      out.solver = value.cast<std::string>();
+    } else if (name == "method") {
+      out.method = value.cast<std::string>();
+    } else if (name == "max_iterations") {
+      out.max_iterations = value.cast<int>();
+    } else if (name == "seed") {
+      out.seed = value.cast<std::uint64_t>();
+    } else {
+      throw OptionError(name, py::str(py::reinterpret_borrow<py::object>(value)).cast<std::string>(),
+                        "is no option of an eigensolver");
+    }
+  }
+  return out;
+}
+
+py::dict eigen_dict(const EigenReport& r) {
+  py::dict d;
+  d["solver"] = r.solver;
+  d["converged"] = r.converged;
+  d["iterations"] = r.iterations;
+  d["lambda"] = r.lambda;
+  d["next"] = r.next;
+  d["residual"] = r.residual;
+  d["seconds"] = r.seconds;
+  d["message"] = r.message;
+  return d;
+}
+
+py::dict solve_dict(const SolveReport& r) {
+  py::dict d;
+  d["solver"] = r.solver;
+  d["converged"] = r.converged;
+  d["iterations"] = r.iterations;
+  d["residual"] = r.residual;
+  d["factor_nonzeros"] = r.factor_nonzeros;
+  return d;
+}
+
+namespace {
+
+using C = Complex<double>;
+using Columns = Eigen::Map<MatrixX<C>>;
+using ConstColumns = Eigen::Map<const MatrixX<C>>;
+
+/// A factorised matrix. One call at a time; a mutex sees to it.
+class Factorised {
+ public:
+  Factorised(const py::tuple& A, const SolverOptions& options) : A_(sparse_of(A, "A")) {
+    long_call(py::none(), 0, [&] {
+      solver_ = make_linear_solver<C>(options);
+      solver_->analyse(A_);
+      solver_->factorise(A_);
+    });
+  }
+  [[nodiscard]] py::tuple solve(const py::array_t<C, py::array::f_style | py::array::forcecast>& B) {
+    if (B.ndim() != 2 || B.shape(0) != A_.rows()) throw OptionError("B", B.size(), "must have a row per row of A");
+    py::array_t<C, py::array::f_style> X({B.shape(0), B.shape(1)});
+    const ConstColumns b(B.data(), B.shape(0), B.shape(1));
+    Columns x(X.mutable_data(), B.shape(0), B.shape(1));
+    SolveReport report = watched(py::none(), 0, [&] {
+      const std::lock_guard lock(mutex_);
+      SolveReport r = solver_->solve(b, x);
+      r.residual = residual<C>(A_, x, b);
+      return r;
+    });
+    return py::make_tuple(X, solve_dict(report));
+  }
+  [[nodiscard]] std::string name() const { return solver_->name(); }
+
+ private:
+  SparseMatrix<C> A_;
+  std::unique_ptr<LinearSolver<C>> solver_;
+  std::mutex mutex_;
+};
+
+}  // namespace
+
+void bind_solve(py::module_& m) {
+  py::class_<Factorised>(m, "Factorised", "A factorised Hermitian positive definite matrix, see factorise().")
+      .def("_solve", &Factorised::solve)
+      .def_property_readonly("name", &Factorised::name, "str: the backend and its choices.");
+  m.def("factorise", [](const py::tuple& A, const std::string& solver, double tolerance, int max_iterations) {
+    return std::make_unique<Factorised>(
+        A, SolverOptions{.name = solver, .tolerance = tolerance, .max_iterations = max_iterations});
+  });
+  m.def("linear_solvers", &linear_solvers);
+  m.def("eigen_solvers", &eigen_solvers);
+  m.def("smallest_eigenpair", [](const py::tuple& S, const py::tuple& M, double area, const py::dict& options,
+                                 const py::object& progress, int threads) {
+    const auto s = sparse_of(S, "S"), mass = sparse_of(M, "M");
+    if (s.rows() != mass.rows()) throw OptionError("M", mass.rows(), "must have as many rows as S");
+    const EigenOptions how = eigen_of(options);
+    EigenResult r = watched(progress, threads, [&] { return smallest_eigenpair(s, mass, area, how); });
+    return py::make_tuple(moved(std::move(r.u)), eigen_dict(r.report));
+  });
+}
+
+}  // namespace alcap::python

@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# python.sh [--build FOLDER] [--work FOLDER] [pytest options]: builds the wheel of the Python package, installs it into a
+# fresh virtual environment that sees Debian's NumPy and SciPy, checks the types, and runs its tests there.
+# --build: a configured build to take the module from (default: build/python, configured for it). --work: where wheel and
+# environment go (default: build/python-test). Exits with 77 where pybind11, NumPy, SciPy or pytest is missing.
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+folder='' work=$root/build/python-test install=yes
+while [ $# -gt 0 ]; do
+  case $1 in
+    --build) folder=$2 install=; shift 2 ;;
+    --work) work=$2; shift 2 ;;
+    -h | --help) sed -n '4,7s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    *) break ;;
+  esac
+done
+[ -z "$install" ] || install_packages "${build_packages[@]}" "${python_packages[@]}"
+
+# Debian's packages belong to Debian's Python, which need not be the first in PATH.
+python=/usr/bin/python3
+[ -x "$python" ] || python=python3
+for module in numpy scipy pytest venv pip; do
+  "$python" -c "import $module" 2>/dev/null ||
+    { echo "SKIPPED: $python has no $module; on Debian: apt-get install ${python_packages[*]}"; exit 77; }
+done
+
+rm -rf "$work"
+mkdir -p "$work"
+"$python" -m pip wheel --quiet --no-deps --no-build-isolation --no-index ${folder:+--config-settings=build-dir="$folder"} -w "$work" "$root"
+"$python" -m venv --system-site-packages --without-pip "$work/venv"
+"$python" -m pip --python "$work/venv/bin/python" install --quiet --no-deps --no-index "$work"/alcap-*.whl
+cd "$work"  # nothing of the repository in the path
+export ALCAP_SOURCE_DIR=$root ALCAP_WHEEL=$(echo "$work"/alcap-*.whl)
+exec "$work/venv/bin/python" -m pytest -q -p no:cacheprovider "$root/python/tests" "$@"
