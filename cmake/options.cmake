@@ -5,6 +5,7 @@
 option(ALCAP_BUILD_APPS "Build the command line tool" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_EXAMPLES "Build the programs of docs/recipes.md" ${PROJECT_IS_TOP_LEVEL})
+option(ALCAP_BUILD_C "Build the C interface, a shared library" ${PROJECT_IS_TOP_LEVEL})
 set(alcap_python OFF)
 if(PROJECT_IS_TOP_LEVEL)
   set(alcap_python AUTO)

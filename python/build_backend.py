@@ -21,7 +21,7 @@ import zipfile
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 STAMP = (2020, 1, 1, 0, 0, 0)  # the same sources give the same wheel
 SDIST = ('CMakeLists.txt', 'CMakePresets.json', 'pyproject.toml', 'README.md', 'CHANGELOG.md', 'CITATION.cff', 'LICENSE',
-         'include', 'kernels', 'src', 'solvers', 'apps', 'cmake', 'python')
+         'include', 'kernels', 'src', 'solvers', 'apps', 'c', 'cmake', 'python')
 LEFT_OUT = {'build', 'node_modules', '__pycache__', '.pytest_cache', '.mypy_cache'}
 
 
@@ -94,7 +94,7 @@ def _build(settings):
     if not os.path.exists(os.path.join(folder, 'CMakeCache.txt')) or extra:
         generator = ['-G', 'Ninja'] if shutil.which('ninja') else []
         _run('cmake', '-S', ROOT, '-B', folder, *generator, '-DCMAKE_BUILD_TYPE=Release', '-DALCAP_BUILD_APPS=OFF',
-             '-DALCAP_BUILD_TESTS=OFF', '-DALCAP_BUILD_EXAMPLES=OFF', '-DALCAP_BUILD_PYTHON=ON',
+             '-DALCAP_BUILD_TESTS=OFF', '-DALCAP_BUILD_C=OFF', '-DALCAP_BUILD_EXAMPLES=OFF', '-DALCAP_BUILD_PYTHON=ON',
              f'-DALCAP_PYTHON_FOR={sys.executable}', *extra)
     _run('cmake', '--build', folder, '--target', 'alcap_python', '--config', 'Release', '-j', str(os.cpu_count() or 1))
     suffix = sysconfig.get_config_var('EXT_SUFFIX')

@@ -20,7 +20,7 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from docs_filter import slug  # noqa: E402
 
-OURS = ('include', 'src', 'kernels', 'solvers', 'apps', 'examples', 'tests', 'perf', 'scripts', 'docs', 'datasets', 'cmake', 'python')
+OURS = ('include', 'src', 'kernels', 'solvers', 'apps', 'examples', 'tests', 'perf', 'scripts', 'docs', 'datasets', 'cmake', 'python', 'c')
 SKIPPED = {'build', 'out', 'node_modules', '.git', '.cache'}
 LINK = re.compile(r'!?\[[^\]]*\]\(([^)\s]+)\)')
 CODE = re.compile(r'`([^`]+)`')

@@ -25,6 +25,7 @@ set(layers
   "src/io/field            | output"
   "src/run                 | field_run design_run batch alcap"
   "apps                    |"
+  "c                       | alcap_c"
   "python                  |")
 # What files of a part may include: the standard library, the layers of these parts, and third-party headers.
 set(parts
@@ -33,6 +34,7 @@ set(parts
   "src           | include src kernels solvers | Eigen/ fast_float/ nlohmann/"
   "solvers       | include src kernels solvers | Eigen/"
   "apps          | include apps src/base src/simd/isa.h | Eigen/ fmt/ nlohmann/"
+  "c             | include apps c |"
   "python        | include apps python | pybind11/")
 # Doors: what only the files that match may include.
 set(doors
@@ -46,7 +48,7 @@ set(doors
   "^CLI/ = ^apps/alcap/options/cli\\.cpp$"
   "^omp\\.h$ = ^$")
 # C and POSIX headers whose names have no slash but a .h. Public headers use none.
-set(system_headers fcntl.h unistd.h dlfcn.h malloc.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
+set(system_headers stddef.h stdint.h fcntl.h unistd.h dlfcn.h malloc.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
 
 # split(line): the fields of "a | b | c" as field_0, field_1, field_2, without the spaces around them.
 macro(split line)
@@ -103,7 +105,7 @@ endfunction()
 function(ours out header)
   if(header MATCHES "^alcap/")
     set(${out} include/${header} PARENT_SCOPE)
-  elseif(header MATCHES "^(kernels|src|solvers|apps|python)/")
+  elseif(header MATCHES "^(kernels|src|solvers|apps|c|python)/")
     set(${out} ${header} PARENT_SCOPE)
   else()
     set(${out} "" PARENT_SCOPE)
@@ -145,7 +147,7 @@ endmacro()
 # The standard library has neither a dot nor a slash.
 macro(check_foreign)
   set(allowed OFF)
-  if(NOT header MATCHES "[./]" OR (NOT part STREQUAL "include/alcap" AND header IN_LIST system_headers))
+  if(NOT header MATCHES "[./]" OR (header IN_LIST system_headers AND (NOT part STREQUAL "include/alcap" OR file STREQUAL "include/alcap/alcap_c.h")))
     set(allowed ON)
   endif()
   starts_with_any(third ${header} ${third_party})
