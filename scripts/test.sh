@@ -14,7 +14,8 @@ while [ $# -gt 0 ]; do
   esac
 done
 
-# The Python package has a test of its own, which is skipped where this cannot be had.
+# The Python package and the leaks of the C interface have tests of their own, skipped where these cannot be had.
+try_install valgrind || say "WARNING: the C interface will not be looked at for leaks: $why"
 try_install "${python_packages[@]}" || say "WARNING: the Python package will not be built and tested: $why"
 # VTK reads our VTP files back. It is large, so a machine that cannot have it skips that one test, and says so.
 if ! install_with python3-vtk9 "${build_packages[@]}" ccache pkg-config; then
