@@ -14,6 +14,8 @@ set(ALCAP_BUILD_PYTHON ${alcap_python} CACHE STRING "The module of the Python pa
 option(ALCAP_BUILD_PERF "Build the benchmarks" OFF)
 option(ALCAP_INSTALL "Add the install rules" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_WITH_CHOLMOD "Direct solves through SuiteSparse CHOLMOD (Eigen otherwise)" ON)
+set(ALCAP_WITH_PETSC OFF CACHE STRING "Backends by PETSc and SLEPc (alcap::petsc): OFF, ON, or AUTO where they are found")
+set_property(CACHE ALCAP_WITH_PETSC PROPERTY STRINGS OFF ON AUTO)
 option(ALCAP_WITH_PICTURES "Pictures from the command line tool, where OpenGL ES and libpng are found" ON)
 option(ALCAP_NATIVE "Compile for this machine only (-march=native), alcap and everything that links it" OFF)
 option(ALCAP_UNITY "Compile the files of a folder together: a build from nothing is shorter, one of a single file longer" ON)

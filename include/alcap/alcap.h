@@ -34,6 +34,7 @@
 #include "alcap/names.h"
 #include "alcap/operators.h"
 #include "alcap/output.h"
+#include "alcap/petsc.h"
 #include "alcap/sharp_edges.h"
 #include "alcap/shortest_path.h"
 #include "alcap/singularities.h"

@@ -16,6 +16,7 @@
 #endif
 
 #include "alcap/conventions.h"
+#include "alcap/petsc.h"
 #include "alcap/solve.h"
 #include "alcap/version.h"
 #include "apps/alcap/commands/commands.h"
@@ -146,6 +147,9 @@ void keep_freed_memory() {
 }
 
 int start(int argc, char** argv) {
+#ifdef ALCAP_WITH_PETSC
+  const auto petsc = register_petsc_backends();
+#endif
   cli::App app(description, "alcap");
   app.footer(footer);
   app.require_subcommand(0, 1);
