@@ -3,7 +3,7 @@
 // browser.mjs: what the browser tests share: Chromium, a page whose console is watched, the program, a running studio.
 import { execFileSync, spawn } from 'node:child_process';
 import { once } from 'node:events';
-import { mkdtempSync } from 'node:fs';
+import { mkdtempSync, readFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 
@@ -120,4 +120,76 @@ export function unpack(bytes) {
     arrays[name] = Array.from({ length }, (_, k) => bytes[read[0]](16 + size + offset + read[1] * k));
   }
   return { meta: header.meta, arrays };
+}
+
+/** What a person does in a studio's page, and what the server then has. */
+export class Hand {
+  constructor(page, server) {
+    this.page = page;
+    this.server = server;
+  }
+
+  design() {
+    return JSON.parse(readFileSync(this.server.design));
+  }
+
+  async state() {
+    return unpack((await request(this.server.url, '/api/state')).body);
+  }
+
+  /** Waits until the page shows what the server has, curves included, and asks for nothing more. */
+  async settled() {
+    for (const end = Date.now() + patience; Date.now() < end;) {
+      const { meta } = await this.state();
+      const there = await this.page.waitForFunction(({ revision, result }) => {
+        const d = document.documentElement.dataset;
+        return Number(d.revision) === revision && Number(d.details) === result && !alcap.store.busy;
+      }, meta, { timeout: 2000 }).catch(() => false);
+      if (there && (await this.state()).meta.revision === meta.revision) return;
+    }
+    throw new Error('the page does not follow the server');
+  }
+
+  /** Does something that edits the design, and waits for its field. */
+  async editing(act) {
+    const { meta } = await this.state();
+    await act();
+    await this.page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
+    await this.settled();
+  }
+
+  /** The middle of what the panel leaves free, where the surface faces the viewer. */
+  middle() {
+    return this.page.evaluate(() => {
+      const box = alcap.stage.canvas.getBoundingClientRect();
+      return [box.left + alcap.stage.free.width / 2, box.top + alcap.stage.free.height / 2];
+    });
+  }
+
+  /** Places a singularity, so far from the middle. */
+  async drop(kind, dx = 0, dy = 0) {
+    const [x, y] = await this.middle();
+    await this.page.click(`.toolbox [data-value=${kind}]`);
+    await this.editing(() => this.page.mouse.click(x + dx, y + dy));
+  }
+
+  /** Presses at the first point, moves to the others in steps, releases. */
+  async drag(from, ...points) {
+    const { mouse } = this.page;
+    await mouse.move(...from);
+    await mouse.down();
+    for (const to of points) {
+      for (let s = 0.1; s <= 1.001; s += 0.1) await mouse.move(from[0] + s * (to[0] - from[0]), from[1] + s * (to[1] - from[1]));
+      from = to;
+    }
+    await mouse.up();
+  }
+
+  /** Draws a stroke through points relative to the middle. */
+  async brush(...points) {
+    const [x, y] = await this.middle();
+    await this.page.click('.toolbox [data-value=stroke]');
+    await this.editing(() => this.drag(...points.map(([dx, dy]) => [x + dx, y + dy])));
+    await this.page.click('.toolbox [data-value=turn]');
+  }
 }

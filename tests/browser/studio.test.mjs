@@ -7,7 +7,7 @@ import http from 'node:http';
 import { join } from 'node:path';
 import { after, before, beforeEach, test } from 'node:test';
 
-import { alcap, darkPixels, drawnAt, folder, launch, open, patience, request, studio, unpack } from './browser.mjs';
+import { alcap, darkPixels, drawnAt, folder, Hand, launch, open, request, studio, unpack } from './browser.mjs';
 
 let browser, page, server, mesh, place;
 
@@ -31,37 +31,14 @@ beforeEach(async () => {
 });
 
 const empty = JSON.stringify({ alcap_design: 1, n: 4, guidance: { field: 'smoothest' } });
-const design = () => JSON.parse(readFileSync(server.design));
-const state = async (url = server.url) => unpack((await request(url, '/api/state')).body);
+const hand = (tab = page) => new Hand(tab, server);
+const design = () => hand().design();
+const state = () => hand().state();
 const field = async (url = server.url) => (await request(url, '/api/export', { format: 'ply' })).body;
-
-/** Waits until the page shows what the server has, curves included, and asks for nothing more. */
-async function settled(tab = page) {
-  for (const end = Date.now() + patience; Date.now() < end;) {
-    const { meta } = await state();
-    const there = await tab.waitForFunction(({ revision, result }) => {
-      const d = document.documentElement.dataset;
-      return Number(d.revision) === revision && Number(d.details) === result && !alcap.store.busy;
-    }, meta, { timeout: 2000 }).catch(() => false);
-    if (there && (await state()).meta.revision === meta.revision) return;
-  }
-  assert.fail('the page does not follow the server');
-}
-
-/** The middle of what the panel leaves free, where the surface faces the viewer. */
-const middle = (tab = page) => tab.evaluate(() => {
-  const box = alcap.stage.canvas.getBoundingClientRect();
-  return [box.left + alcap.stage.free.width / 2, box.top + alcap.stage.free.height / 2];
-});
-
-async function drop(kind, dx = 0, dy = 0) {
-  const { meta } = await state();
-  const [x, y] = await middle();
-  await page.click(`.toolbox [data-value=${kind}]`);
-  await page.mouse.click(x + dx, y + dy);
-  await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
-  await settled();
-}
+const settled = (tab) => hand(tab).settled();
+const middle = () => hand().middle();
+const drop = (...how) => hand().drop(...how);
+const brush = (...points) => hand().brush(...points);
 
 const apart = (a, b, period) => Math.abs(((((a - b) % period) + 1.5 * period) % period) - period / 2);
 
@@ -145,22 +122,6 @@ test('a stroke drawn with the mouse aligns the field', async () => {
   assert.ok(drawn < 12, `mean deviation ${drawn} degrees`);
   await page.click('.toolbox [data-value=turn]');
 });
-
-async function brush(...points) {
-  const [x, y] = await middle();
-  const { meta } = await state();
-  await page.click('.toolbox [data-value=stroke]');
-  await page.mouse.move(x + points[0][0], y + points[0][1]);
-  await page.mouse.down();
-  for (let k = 1; k < points.length; ++k) {
-    const [a, b] = [points[k - 1], points[k]];
-    for (let s = 0.1; s <= 1.001; s += 0.1) await page.mouse.move(x + a[0] + s * (b[0] - a[0]), y + a[1] + s * (b[1] - a[1]));
-  }
-  await page.mouse.up();
-  await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
-  await settled();
-  await page.click('.toolbox [data-value=turn]');
-}
 
 test('what an edit adds is drawn: every mark and every part of every stroke has its colour on the canvas', async () => {
   await drop('source', -90, -60);

@@ -29,6 +29,13 @@ export function short(value) {
   return text.replace(/\.?0+(e|$)/, '$1').replace('e+', 'e').replace('-', '−').replace('e-', 'e−');
 }
 
+const rounded = new Intl.NumberFormat('en-US', { maximumSignificantDigits: 3, useGrouping: false });
+
+/** Three digits without an exponent, for numbers that people set. */
+export function plain(value) {
+  return rounded.format(value);
+}
+
 /** An index in n-ths: +1/4. */
 export function fraction(index, n) {
   const sign = index > 0 ? '+' : index < 0 ? '−' : '';

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_panel.js: the parts of the studio's panel that say what the design is and change it.
-import { fraction, h, section, segmented, short, toggle } from './dom.js';
+import { fraction, h, plain, section, segmented, short, toggle } from './dom.js';
 import { mark } from './panel.js';
 
 const titles = { source: 'Source', sink: 'Sink', vortex: 'Vortex', spiral: 'Spiral', saddle: 'Saddle', wedge: 'Wedge', trisector: 'Trisector' };
@@ -109,12 +109,12 @@ function controlRow({ icon, chosen, numbers, choose, remove }) {
 /** A number between two ends, on a scale of powers unless it is even. */
 function slider(label, { least, most, value, even }, change) {
   const to = (v) => (even ? v : Math.log10(v)), from = (x) => (even ? Number(x) : Number((10 ** x).toPrecision(3)));
-  const shown = h('output', {}, short(value));
+  const shown = h('output', {}, plain(value));
   const name = () => `slider-${Date.now()}`;
   let gesture = name();
   const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / 200, 'aria-label': label, oninput: () => {
     const v = from(input.value);
-    shown.textContent = short(v);
+    shown.textContent = plain(v);
     change(v, gesture);
   }, onchange: () => { gesture = name(); } });
   input.value = to(value);
