@@ -54,12 +54,15 @@ class ConnectedSurface : public Surface {
 struct ConnectionOptions {
   ConnectionKind kind = ConnectionKind::global;  // the most accurate one, at O(V) cost
   PolarOptions polar = {};                       // read when kind is polar
-  GlobalOptions global = {};  // read when kind is global or trivial; its weights also measure D_T and D_E of all kinds
-  std::vector<Cone> cones = {};                 // read when kind is trivial: they must sum to the Euler characteristic
-  bool balance_cones = false;                   // or, with this, are added until they do, see cones.h
-  std::vector<double> generator_holonomy = {};  // of the trivial connection, see TrivialOptions
-  std::vector<double> loop_index = {};          // of the trivial connection, see TrivialOptions
-  int n = 1;  // cones and holonomies are multiples of 1/n turn: the degree of the fields the connection is for
+  GlobalOptions global = {};     // of global, trivial and metric; its weights also measure D_T and D_E of all kinds
+  std::vector<Cone> cones = {};  // of trivial and metric: they must sum to the Euler characteristic
+  bool balance_cones = false;    // of trivial: they are added until they do, see cones.h
+  std::vector<double> generator_holonomy = {};  // of trivial and metric, see TrivialOptions and MetricOptions
+  std::vector<double> loop_index = {};          // of trivial and metric, see TrivialOptions and MetricOptions
+  int n = 1;  // of trivial: cones and holonomies are multiples of 1/n turn, the degree of the fields it is for
+  /// Of metric: nearest_connection() to this target instead of cones and holonomies.
+  ConnectionTarget target = {};
+  bool spread = true;  // of metric with a target, see NearestOptions
 };
 
 /// The connection that the options describe, on the surface. The cones of a trivial one, those that were added

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // connection.h: discrete connections (LTGD 2016, Secs. 4.2 and 5): geodesic polar map, locally optimal, globally
-// optimal ("as Levi-Civita as possible") and trivial with prescribed cones; one type for all of them.
+// optimal ("as Levi-Civita as possible"), trivial with prescribed cones, and nearest to any metric connection; one type
+// for all of them.
 //
 //   auto connection = alcap::globally_optimal(surface);
 //   double k = connection.K[t];                          // lifted curvature of face t; an n-field sees n K
@@ -28,7 +29,7 @@ class Surface;
 class ConnectedSurface;
 
 /// How a connection was built, see the functions below.
-enum class ConnectionKind { polar, local, global, trivial };
+enum class ConnectionKind { polar, local, global, trivial, metric };
 
 /// The point of a triangle that the polar map's corner directions aim at (LTGD 2016, eq. 12). The incenter's
 /// direction bisects the corner, so tau -> 0 under refinement. With the barycenter tau tends to a shape-dependent
@@ -49,7 +50,8 @@ struct NamesOf<ConnectionKind> {
   static constexpr auto table = detail::name_table<ConnectionKind>({{ConnectionKind::polar, "polar"},
                                                                     {ConnectionKind::local, "local"},
                                                                     {ConnectionKind::global, "global"},
-                                                                    {ConnectionKind::trivial, "trivial"}});
+                                                                    {ConnectionKind::trivial, "trivial"},
+                                                                    {ConnectionKind::metric, "metric"}});
 };
 template <>
 struct NamesOf<PolarCenter> {
@@ -112,7 +114,7 @@ struct ConnectionReport {
 /// cross field's quad mesh).
 struct Cone {
   Index vertex = none;  ///< an interior vertex
-  double index = 0;     ///< in turns, a multiple of 1/n
+  double index = 0;     ///< in turns: a multiple of 1/n for trivial(), any number for metric_connection()
 };
 
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
@@ -125,9 +127,20 @@ struct Connection {
   VectorX<double> tau;      ///< 3 #F: lifted rotation along halfedge h inside its face
   VectorX<double> eps;      ///< #E: lifted rotation along the canonical halfedge, within the edge
   VectorX<double> K;        ///< #F: lifted curvature, K = -(tau_ij + tau_jk + tau_ki)
-  VectorX<double> alpha;    ///< 3 #F: adjustment angle of each halfedge (trivial connections), or empty
-  std::vector<Cone> cones;  ///< of a trivial connection, as trivial() was given them
-  ConnectionReport report;  ///< how it was found
+  VectorX<double> alpha;    ///< 3 #F: adjustment angle of each halfedge (trivial and metric connections), or empty
+  std::vector<Cone> cones;  ///< of a trivial or metric connection, as it was given them
+  /// Holonomy of each of homology_generators(), in turns, and index of each boundary loop, of trivial() and
+  /// metric_connection().
+  std::vector<double> generator_holonomy, loop_index;
+  bool flat = false;                           ///< no curvature but at the cones: of trivial() and metric_connection()
+  bool to_target = false;                      ///< nearest to a target of the caller's, which is not kept
+  PolarCenter center = PolarCenter::incenter;  ///< of a polar map
+  GlobalOptions options;                       ///< the weights that it was optimised or measured with
+  ConnectionReport report;                     ///< how it was found
+
+  /// Of a flat connection: whether cones, holonomies and loop indices are multiples of 1/n, to 1e-6 of it. Only then
+  /// can an n-field that is parallel everywhere but at the cones be single-valued. False for all others.
+  [[nodiscard]] bool admits_parallel(int n) const;
 
   /// rho_ij along halfedge h = i -> j; antisymmetric.
   [[nodiscard]] double rho_along(const Mesh& mesh, Index h) const {
@@ -192,6 +205,67 @@ struct TrivialOptions {
                                  const TrivialOptions& options = {});
 [[nodiscard]] Connection trivial(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
                                  const TrivialOptions& options = {});
+
+/// What metric_connection() is prescribed besides its cones.
+struct MetricOptions {
+  /// Holonomy, in turns, of each of homology_generators(mesh, topology), modulo 1. Empty: what the cones alone give,
+  /// the least change.
+  std::vector<double> generator_holonomy = {};
+  /// Index of each boundary loop of topology.h, in turns. Empty: what the cones alone give.
+  std::vector<double> loop_index = {};
+  GlobalOptions global = {};    // how rho_{v->t} and rho_{v->e} are optimised afterwards
+  std::string solver = "auto";  // backend of the Poisson solve
+};
+
+/// The metric connection with cones of any size (LTGD 2016, Secs. 1.2 and 5.4): curvature 2 pi index at each cone, none
+/// elsewhere, and holonomies of any size. As trivial() in everything else, and the same connection when all of them are
+/// multiples of 1/n. An n-field for which they are not has no single-valued parallel field: admits_parallel() says so,
+/// and smoothest fields and designs are found all the same. Throws OptionError as trivial() does.
+[[nodiscard]] Connection metric_connection(const Surface& surface, const std::vector<Cone>& cones,
+                                           const MetricOptions& options = {});
+[[nodiscard]] Connection metric_connection(const Mesh& mesh, const Geometry& geometry, const std::vector<Cone>& cones,
+                                           const MetricOptions& options = {});
+
+/// A metric connection to come near to: at most one of the arrays. With none it is that of Levi-Civita.
+struct ConnectionTarget {
+  /// 3 #F, radians modulo 2 pi: rho^_{e->t} of each halfedge, from its direction to the frame of its face. Levi-Civita:
+  /// minus Geometry::direction(h).
+  VectorX<double> rotation = {};
+  /// 3 #F, radians: the adjustment angle alpha of each halfedge, rho^_{e->t} = alpha - direction (LTGD 2016, Sec. 5.4).
+  /// Its lift counts: the corner at the tail of h is seen as angle + alpha_h - alpha_prev(h).
+  VectorX<double> adjustment = {};
+  /// #V, radians: the curvature around each interior vertex, zero at others; 2 pi chi in sum on a closed component. The
+  /// adjustment angles are those of least change (Crane et al. 2010), the holonomies what they give.
+  VectorX<double> vertex_curvature = {};
+  /// #F, radians: K of each face, 2 pi chi in sum on a closed component. Holonomies are the polar map's plus what the
+  /// least change of rho_ij gives.
+  VectorX<double> face_curvature = {};
+
+  /// Whether no array is given.
+  [[nodiscard]] bool levi_civita() const {
+    return rotation.size() + adjustment.size() + vertex_curvature.size() + face_curvature.size() == 0;
+  }
+};
+
+/// How nearest_connection() takes its target.
+struct NearestOptions {
+  /// Minimises over all of rho, so that a vertex's curvature spreads as far as is best. false: the rotations along
+  /// edges are held where the target has them: curvature stays in the faces around its vertex, as in trivial(). Face
+  /// curvature is always held.
+  bool spread = true;
+  GlobalOptions global = {};    // weights and tolerance
+  std::string solver = "auto";  // backend of the Poisson solve that curvature takes
+};
+
+/// The discrete connection nearest to a metric connection: the minimum of D_T + detail * D_E with the target's
+/// rho^_{e->t} in D_E (LTGD 2016, Sec. 5.4). Without a target it is globally_optimal(); with the curvature of cones and
+/// without `spread` it is metric_connection(). O(V), with one Poisson solve for curvature. Throws OptionError for
+/// arrays of other sizes, more than one of them, values that are not finite, curvature at a boundary vertex, and sums
+/// of curvature that no metric connection has.
+[[nodiscard]] Connection nearest_connection(const Surface& surface, const ConnectionTarget& target,
+                                            const NearestOptions& options = {});
+[[nodiscard]] Connection nearest_connection(const Mesh& mesh, const Geometry& geometry, const ConnectionTarget& target,
+                                            const NearestOptions& options = {});
 
 /// Holonomy of a closed strip of faces, in radians: how far a vector has turned after one round.
 [[nodiscard]] double holonomy(const ConnectedSurface& surface, const Loop& strip);

@@ -17,15 +17,20 @@
 
 namespace alcap {
 
-/// A singularity of index sign/n asked for in a face.
+/// A singularity of index sign count / n asked for in a face.
 struct SingularityTarget {
   Index face = none;  ///< the face it shall lie in
   int sign = 1;       // +1: source, vortex, spiral (n = 1), wedge; -1: saddle, trisector
-  /// As Singularity::orientation, radians in the face's frame. n = 1, positive: 0 source, pi/2 vortex, pi sink.
-  /// Otherwise the direction of one of the |n - sign| straight branches of the pattern.
+  /// So many zeros of index sign/n side by side, in `face` and in faces about three edges from it and from each other,
+  /// turned and weighed so that around them is one pattern of index sign count / n: no single face can hold more than
+  /// one. At most 8; more than 4 often miss a face.
+  int count = 1;
+  /// As Singularity::orientation, radians in the face's frame. Index 1 (sign count = n): 0 source, pi/2 vortex, pi
+  /// sink. Otherwise the direction of one of the |n - sign count| straight branches of the pattern.
   double orientation = 0;
   double strength = 1;  // 1 holds against a guidance field of unit length, on every mesh and in every unit
-  /// Puts the zero exactly here, inside `face`, whatever the rest of the design wants.
+  /// Puts the zero exactly here, inside `face`, whatever the rest of the design wants; the others of a count at the
+  /// barycenters of their faces.
   std::optional<std::array<double, 3>> pin = std::nullopt;
 };
 
@@ -71,7 +76,7 @@ enum class ControlId : int {};
 struct ControlReport {
   ControlId id{};            ///< which control
   bool met = false;          ///< see target_met_degrees, stroke_met_degrees
-  int index = 0;             ///< targets: index found in the face (n-ths)
+  int index = 0;             ///< targets: index found in the face, or in all faces of its count (n-ths)
   double error_degrees = 0;  ///< targets: of orientation; strokes, boundary: mean deviation; fixed vertices: direction
 };
 

@@ -52,7 +52,7 @@ struct NamesOf<SingularityKind> {
                                                                      {SingularityKind::trisector, "trisector"}});
 };
 
-/// A singularity of index +-1/n. One of `face` and `at`.
+/// A singularity of index +-count/n. One of `face` and `at`.
 struct DesignSingularity {
   std::string name = {};                           // for messages and the report
   Index face = none;                               ///< the face, or none where `at` is given
@@ -62,6 +62,7 @@ struct DesignSingularity {
   /// branches, from `relative_to` projected to the face, or else from the face's first edge; counter-clockwise.
   double angle = 0;
   std::optional<Vector3> relative_to = std::nullopt;  ///< where the angle starts; empty: the face's first edge
+  int count = 1;                                      // index +-count/n: that many zeros side by side
   double strength = 1;                                // holds against a guidance field of unit length
   bool pin = false;  // the zero lies exactly at `barycentric`, or else at the point nearest to `at`, or the barycenter
   std::optional<std::array<double, 3>> barycentric = std::nullopt;  ///< of the pin
@@ -111,14 +112,18 @@ struct DesignConeAt {
 
 /// The connection that a design asks for.
 struct DesignConnection {
-  ConnectionKind kind = ConnectionKind::global;  // trivial: with the cones
-  PolarCenter center = PolarCenter::incenter;    ///< of the polar map
-  double detail = 1;                             // see GlobalOptions
-  std::vector<Cone> cones = {};                  ///< at vertices
-  std::vector<DesignConeAt> cones_at = {};       ///< at points in space
-  bool balance = false;               // cones are added until they sum to what topology demands, see balance_cones
+  ConnectionKind kind = ConnectionKind::global;          // trivial, metric: with the cones
+  PolarCenter center = PolarCenter::incenter;            ///< of the polar map
+  double detail = 1;                                     // see GlobalOptions
+  LengthFactor length_factor = LengthFactor::mean_edge;  // see GlobalOptions
+  double tan_cap = 10;                                   // see GlobalOptions
+  std::vector<Cone> cones = {};                          ///< at vertices
+  std::vector<DesignConeAt> cones_at = {};               ///< at points in space
+  bool balance = false;               // trivial: cones are added until they sum to what topology demands
   std::vector<double> holonomy = {};  // of the generators, in turns; empty: the least change
   std::vector<double> loops = {};     // index of every boundary loop, in turns; empty: the least change
+  ConnectionTarget target = {};       // metric: instead of cones, holonomy and loops
+  bool spread = true;                 // with a target, see NearestOptions
 };
 
 /// What a design stays close to.
@@ -147,6 +152,27 @@ struct NamesOf<DesignGuidance::Source> {
                                                   {DesignGuidance::Source::curvature, "curvature"},
                                                   {DesignGuidance::Source::least_curvature, "least-curvature"},
                                                   {DesignGuidance::Source::file, "file"}});
+};
+
+/// A change of the singularities above it in the file, so that a design can be edited by commands: move one, merge two,
+/// split one. Numbers are places in DesignFile::singularities, as they are before any edit.
+struct DesignEdit {
+  /// What is done.
+  enum class Type {
+    move,   ///< to face `to`; a direction without `relative_to` is carried along
+    merge,  ///< with `other`, whose index is added: it is gone, and so are both where the sum is 0
+    split,  ///< `count` n-ths of it go to face `to`, as a new singularity at the end of the list
+  };
+  Type type = Type::move;  ///< what is done
+  std::size_t which = 0;   ///< to which singularity
+  std::size_t other = 0;   ///< merge: with this one
+  Index to = none;         ///< move, split: the face
+  int count = 1;           ///< split: how many n-ths
+};
+template <>
+struct NamesOf<DesignEdit::Type> {
+  static constexpr auto table = detail::name_table<DesignEdit::Type>(
+      {{DesignEdit::Type::move, "move"}, {DesignEdit::Type::merge, "merge"}, {DesignEdit::Type::split, "split"}});
 };
 
 /// Which of the two ways of LTGD 2016, Sec. 7 solves a design.
@@ -179,6 +205,7 @@ struct DesignFile {
   std::vector<DesignFixed> fixed = {};                ///< fixed vertices
   std::vector<DesignStroke> strokes = {};             ///< strokes
   DesignBoundary boundary = {};                       ///< alignment with the boundary
+  std::vector<DesignEdit> edits = {};                 ///< changes of the singularities, in order
 };
 
 /// Reads and checks a design. Throws FileError: missing, not JSON (with the line), a key that is unknown or given
@@ -188,6 +215,10 @@ struct DesignFile {
 /// The same from memory; `name` stands for the file in messages, and `folder` is what guidance files are relative to.
 [[nodiscard]] DesignFile parse_design(std::string_view text, const std::string& name = "design",
                                       const std::filesystem::path& folder = {});
+
+/// Reads a target for `connection.target` from a JSON file of its own: the object that has this key in a design. Throws
+/// FileError.
+[[nodiscard]] ConnectionTarget read_connection_target(const std::filesystem::path& path);
 
 /// Writes a design so that reading it gives the same design. Throws OptionError (see check_design) and FileError.
 void write_design(const std::filesystem::path& path, const DesignFile& design);
@@ -202,8 +233,8 @@ void check_design(const DesignFile& design);
 /// OptionError.
 void check_design(const DesignFile& design, const Mesh& mesh);
 
-/// The same design with `at` replaced by faces, vertices and barycentric coordinates, and a path by the points of the
-/// surface nearest to it. Throws as check_design does, and on a surface that lies in no space.
+/// The same design with `at` replaced by faces, vertices and barycentric coordinates, a path by the points of the
+/// surface nearest to it, and edits done. Throws as check_design does, and on a surface that lies in no space.
 [[nodiscard]] DesignFile place_design(const DesignFile& design, const Surface& surface);
 
 /// The connection of a placed design, for connect().

@@ -11,6 +11,7 @@
 //   auto source = designer.add(alcap::SingularityTarget{.face = 77});
 //   alcap::DesignResult result = designer.solve();
 //   designer.set(saddle, {.face = 1200, .sign = -1, .orientation = 0.4});   // a new right-hand side, nothing else
+//   designer.move(saddle, 1300);                        // likewise merge() and split()
 //   result = designer.solve();
 //
 // The matrix is factorised once. Targets change the right-hand side only, and one that has been changed before keeps
@@ -93,6 +94,17 @@ class Designer {
   void set(ControlId id, Control control);
   /// Removes a control; throws OptionError when there is none with this id.
   void remove(ControlId id);
+  /// Moves a singularity to another face. Its direction is carried along the shortest strip of faces, unfolded; a pin
+  /// goes to the barycenter. The same as setting it there: a new right-hand side. Throws OptionError for a control that
+  /// is no singularity and a face that cannot be reached.
+  void move(ControlId id, Index face);
+  /// Two singularities become one, in the place of the first and with its direction: the indices add, the second one is
+  /// gone. Where they cancel both are gone, and there is no id. Throws OptionError for controls that are not two
+  /// singularities.
+  std::optional<ControlId> merge(ControlId id, ControlId other);
+  /// `count` n-ths of a singularity of index +-k/n, k > count, go to another face, as a new control, whose direction is
+  /// carried there. Throws OptionError.
+  ControlId split(ControlId id, Index face, int count = 1);
   /// The controls by id.
   [[nodiscard]] const std::map<ControlId, Control>& controls() const;
 

@@ -15,6 +15,7 @@
 //
 //   alcap::MeshFile file = alcap::read_mesh("bunny.ply");
 //   alcap::write_mesh("bunny.off", file.V, file.F);
+//   auto lengths = alcap::read_edge_lengths("cone.txt", mesh);   // of an intrinsic surface
 #pragma once
 
 #include <filesystem>
@@ -24,6 +25,7 @@
 
 #include "alcap/control.h"
 #include "alcap/conventions.h"
+#include "alcap/mesh.h"
 
 namespace alcap {
 
@@ -74,6 +76,13 @@ struct MeshFile {
 /// The same from memory; `format` as in ReadOptions (which it replaces).
 [[nodiscard]] MeshFile read_mesh_from_memory(std::string_view bytes, std::string_view format = {},
                                              const ReadOptions& options = {});
+
+/// The lengths of the edges of an intrinsic surface, for Surface::from_lengths (#E, in the order of the mesh's edges).
+/// A text file: for each face the lengths of its first, second and third edge, in the units of the mesh, between
+/// blanks, commas or newlines; from # on a line is a comment. Both faces of an edge must agree to 1e-9. Throws
+/// FileError, which names the line or the face.
+[[nodiscard]] VectorX<double> read_edge_lengths(const std::filesystem::path& file, const Mesh& mesh,
+                                                const RunControl& control = {});
 
 /// Writes V (#V x 3) and F (#F x 3) in the format of the extension: .off, .obj or .ply. The file appears complete or
 /// not at all; phase "write". Throws MeshError (empty, index out of range, not finite) and FileError (other extension,

@@ -7,6 +7,7 @@
 //   auto f = alcap::apply(connected.mesh(), ops.p, u);      // f[t] = integral over t of div u + i curl u
 //   auto g = alcap::apply(connected.mesh(), ops.q, u);      // the reflected pair, twice the Cauchy-Riemann derivative
 //   auto x = alcap::face_field(connected, 1, u, t).at({0.2, 0.3, 0.5});   // x.div(), x.curl(), ...
+//   auto y = alcap::edge_field(connected, 1, u, h).at(0.25);              // y.u, y.along
 //
 // With covariant derivatives D_1, D_2 along the face frame, P integrates D_1 - i D_2 and Q integrates D_1 + i D_2. P u
 // is an (n-1)-vector and Q u an (n+1)-vector in the face frames. The same components on a mesh s times as large
@@ -138,5 +139,37 @@ struct FaceField {
 [[nodiscard]] FaceField face_field(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u, Index t);
 [[nodiscard]] FaceField face_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                                    const ComplexVectorX<double>& u, Index t);
+
+/// An n-field and its covariant derivative along an edge at one of its points, in the frame of the edge.
+struct EdgeValue {
+  Complex<double> u;      ///< the n-vector
+  Complex<double> along;  ///< derivative in the direction of the halfedge, per unit of length
+};
+
+/// A field along one edge, from the tail of a halfedge to its tip: the restriction of the closed-form basis, which both
+/// of its faces share. Components are in the frame along the halfedge.
+struct EdgeField {
+  double n = 1;                           ///< degree
+  double rho_tail = 0, rho_tip = 0;       ///< vertex frames to the frame of the halfedge
+  double eps = 0;                         ///< lifted rotation along the halfedge
+  double length = 0;                      ///< of the edge
+  Complex<double> u_tail = 0, u_tip = 0;  ///< values at both ends in vertex frames
+
+  /// The basis of an edge (LTGD 2016, Secs. 4.3 and 6.3), Psi_i = phi_i exp(-i n (rho_{vi->e} + eps_ij phi_j)), at the
+  /// fraction s in [0, 1] of the way to the tip. The derivative is (Phi_j u_j - Phi_i u_i) / |e|, with Phi_i the
+  /// parallel frame from vertex i.
+  [[nodiscard]] EdgeValue at(double s) const;
+};
+
+/// The n-field with vertex components u (#V) along halfedge h. Throws OptionError for an h that is no halfedge.
+[[nodiscard]] EdgeField edge_field(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u, Index h);
+[[nodiscard]] EdgeField edge_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                   const ComplexVectorX<double>& u, Index h);
+
+/// rho_{e->t} at the fraction s of halfedge h, radians: from the frame along h to the frame of its face (LTGD 2016,
+/// eq. 9). A component z of an n-field on the edge is z exp(-i n rho_{e->t}) in the face. Throws OptionError for an h
+/// that is no halfedge.
+[[nodiscard]] double edge_to_face(const ConnectedSurface& surface, Index h, double s);
+[[nodiscard]] double edge_to_face(const Mesh& mesh, const Connection& connection, Index h, double s);
 
 }  // namespace alcap

@@ -4,6 +4,7 @@
 //
 //   alcap::write_field({.surface = connected, .field = field, .singularities = singularities}, "out/bunny.vtp");
 //   alcap::FieldFile back = alcap::read_field("out/bunny.ply");   // u, n and frames bit for bit
+//   auto same = alcap::connect(alcap::Surface(back.V, back.F), back.how);   // and the connection
 //
 // The extension picks the format:
 //   .rawfield         directions per face, and singular vertices in .sings beside it   (Directional, face-based)
@@ -74,6 +75,10 @@ struct FieldFile {
   Faces F;                                             ///< #F x 3
   Field field;                                         ///< n, u (#V) and the vertex frames, bit for bit as written
   ConnectionKind connection = ConnectionKind::global;  ///< the kind of connection the field was made with
+  /// For connect(): the connection that the field was made with, cones and weights included.
+  ConnectionOptions how = {};
+  /// Whether `how` is all of it. Files of alcap before 0.2 name the kind alone, and no file holds a target.
+  bool connection_known = false;
 };
 
 /// Reads a .ply that write_field wrote. Throws FileError: cannot be read, cut, or not such a file.

@@ -62,6 +62,10 @@ struct CurveSet {
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(offsets.size()) - 1; }
   /// Length of curve k: the sum of its segments.
   [[nodiscard]] double length(std::int64_t k) const;
+  /// The points of curve k as points of the surface, each of which shares a face with the next: what transport() of
+  /// transport.h carries vectors along, and polyline_through() makes a stroke of. Throws OptionError for a k that is no
+  /// curve's.
+  [[nodiscard]] std::vector<SurfacePoint> path(std::int64_t k) const;
   /// Appends the curves of another set.
   void append(const CurveSet& other);
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // surface_path.h: points of a surface, given in a face, and polylines on it, cut into segments that each lie inside one
-// face. strokes.h makes such polylines, transport.h carries vectors along them.
+// face. polyline_through() and strokes.h make such polylines, transport.h carries vectors along them.
 //
 //   alcap::SurfacePoint p{12, {0.2, 0.3, 0.5}};
 //   Eigen::RowVector3d x = alcap::position(surface, p);
@@ -45,6 +45,13 @@ struct SurfacePolyline {
   /// The same line the other way round.
   [[nodiscard]] SurfacePolyline reversed() const;
 };
+
+/// Through points, in order, each of which lies in a face with the next one, perhaps on its border: a straight segment
+/// inside that face between them. Needs lengths only, no positions. Points closer than 1e-9 of their face to an edge or
+/// a vertex are put there, and repeated ones add nothing. Closed when the last point is the first. Throws OptionError,
+/// naming them, for bad points and for two in a row that no face holds (stroke_through_points of strokes.h finds those
+/// between).
+[[nodiscard]] SurfacePolyline polyline_through(const Surface& surface, const std::vector<SurfacePoint>& points);
 
 /// Where a point of the surface lies in space. Throws OptionError when there is no such face, and on a surface that
 /// lies in no space.

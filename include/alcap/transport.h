@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // transport.h: parallel transport of a vector, or of an n-vector, along a path on the surface (LTGD 2016, Secs. 2 and
-// 4.1): along edges from vertex to vertex, or along a polyline through faces, edges and vertices.
+// 4.1): along edges from vertex to vertex, from point to point through faces, along a polyline, or along a traced
+// curve.
 //
 //   const auto path = alcap::shortest_path(surface, from, to);
 //   const alcap::Transported there = alcap::transport(connected, path, u[from], n);   // compare with u[to]
+//   const auto along = alcap::transport(connected, curves.path(0), 1.0);              // a curve of streamlines.h
 //   const auto loop = alcap::stroke_through_points(connected, points);   // its last point is its first
 //   const double enclosed = 2 * pi + alcap::transport(connected, loop, 1.0).turn_from_path;   // curvature inside
 //
@@ -15,6 +17,7 @@
 // its left a vector turns by the curvature inside, of which every face has K_t, spread evenly.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "alcap/connected_surface.h"
@@ -48,5 +51,12 @@ struct Transported {
 /// segment that does not start (to 1e-6 of its face) where the one before ends.
 [[nodiscard]] Transported transport(const ConnectedSurface& surface, const SurfacePolyline& path, Complex<double> z,
                                     int n = 1);
+
+/// From point to point, each of which lies in a face with the next one, on straight segments inside these faces (see
+/// polyline_through); CurveSet::path() gives such points. z is in the frame of the face that the first point names, the
+/// result in that of the last one's. The path is closed when the last point is the first. Throws OptionError as
+/// polyline_through.
+[[nodiscard]] Transported transport(const ConnectedSurface& surface, std::span<const SurfacePoint> points,
+                                    Complex<double> z, int n = 1);
 
 }  // namespace alcap

@@ -14,8 +14,18 @@ namespace alcap::detail {
 
 using Vector = ConeProblem::Vector;
 
+VectorX<double> adjustment_across(const Mesh& mesh, const VectorX<double>& x) {
+  VectorX<double> alpha(mesh.halfedges());
+  parallel_for(mesh.halfedges(), [&](std::int64_t i) {
+    const Index h = static_cast<Index>(i);
+    const double half = x[mesh.edge(h)] / 2;
+    alpha[h] = mesh.canonical(h) ? -half : half;
+  });
+  return alpha;
+}
+
 ConeProblem::ConeProblem(const Mesh& mesh, const Geometry& geometry, const Topology& topology)
-    : mesh_(mesh), topology_(topology), weight_(mesh.edges()), defect_(mesh.vertices()) {
+    : mesh_(mesh), geometry_(geometry), topology_(topology), weight_(mesh.edges()), defect_(mesh.vertices()) {
   for (Index e = 0; e < mesh.edges(); ++e) {
     const Index h = mesh.halfedge(e), g = mesh.twin(h);
     weight_[e] =
@@ -32,12 +42,11 @@ Index ConeProblem::loop_of(Index v) const { return loop_of_vertex_[at(v)]; }
 Index ConeProblem::node(Index v) const { return node_of_vertex_[at(v)]; }
 
 Vector ConeProblem::solve(const Vector& vertex_index, const std::vector<double>& loop_index,
-                          const std::vector<Loop>& generators, const TrivialOptions& options,
-                          const Vector& levi_civita) {
+                          const std::vector<Loop>& generators, const ConeWish& wish) {
   number_nodes(!loop_index.empty());
-  factorise(options.solver);
+  factorise(wish.solver);
   Vector x = flow(potentials(right_hand_side(vertex_index, loop_index)));
-  if (!generators.empty()) add_generators(generators, options, levi_civita, x);
+  if (!generators.empty()) add_generators(generators, wish, x);
   return x;
 }
 
@@ -151,8 +160,7 @@ Vector ConeProblem::harmonic(const Loop& generator) const {
 }
 
 // Holonomy = Levi-Civita's minus the sum of x across; wanted is a multiple of 1/n, or what was asked, modulo a turn.
-void ConeProblem::add_generators(const std::vector<Loop>& generators, const TrivialOptions& options,
-                                 const Vector& levi_civita, Vector& x) const {
+void ConeProblem::add_generators(const std::vector<Loop>& generators, const ConeWish& wish, Vector& x) const {
   const auto count = static_cast<Eigen::Index>(generators.size());
   Eigen::MatrixXd Z(mesh_.edges(), count);
   for (Eigen::Index k = 0; k < count; ++k) Z.col(k) = harmonic(generators[at(k)]);
@@ -161,11 +169,15 @@ void ConeProblem::add_generators(const std::vector<Loop>& generators, const Triv
   for (Eigen::Index k = 0; k < count; ++k) {
     const Loop& strip = generators[at(k)];
     for (Eigen::Index l = 0; l < count; ++l) gram(k, l) = across(strip, Z.col(l));
-    const double now = (levi_civita[k] - across(strip, x)) / (2 * pi<double>);
-    double wanted = nearest_multiple(now, options.n);
-    if (!options.generator_holonomy.empty()) {
-      wanted = options.generator_holonomy[at(k)];
+    const double now =
+        (holonomy(mesh_, geometry_, Connection{}, strip) - across(strip, x)) / (2 * pi<double>);  // Levi-Civita less x
+    double wanted = 0;
+    if (wish.generator_holonomy.empty()) {
+      wanted = nearest_multiple(now, wish.n);
+    } else {
+      wanted = wish.generator_holonomy[at(k)];
       wanted += std::nearbyint(now - wanted);
+      if (wish.n > 0) wanted = nearest_multiple(wanted, wish.n);
     }
     missing[k] = 2 * pi<double> * (now - wanted);
   }

@@ -17,6 +17,16 @@
 
 namespace alcap::detail {
 
+/// What generators shall have, and how systems are solved.
+struct ConeWish {
+  int n = 1;                                      // generators take the nearest multiples of 1/n
+  const std::vector<double>& generator_holonomy;  // or, where this is not empty, these turns
+  const std::string& solver;
+};
+
+/// The adjustment angle of every halfedge for rotations x across the edges: half of them on each side.
+[[nodiscard]] VectorX<double> adjustment_across(const Mesh& mesh, const VectorX<double>& x);
+
 /// The Poisson problem over interior vertices and boundary loops.
 class ConeProblem {
  public:
@@ -25,10 +35,9 @@ class ConeProblem {
   ConeProblem(const Mesh& mesh, const Geometry& geometry, const Topology& topology);
 
   /// x of least norm for the wanted vertex indices (turns); loops get theirs, or stay free when `loop_index` is empty.
-  /// levi_civita: the holonomy of each generator without x.
+  /// Without generators their holonomies are what the rest gives.
   [[nodiscard]] Vector solve(const Vector& vertex_index, const std::vector<double>& loop_index,
-                             const std::vector<Loop>& generators, const TrivialOptions& options,
-                             const Vector& levi_civita);
+                             const std::vector<Loop>& generators, const ConeWish& wish);
 
   /// Turns that each boundary loop has under x.
   [[nodiscard]] std::vector<double> loop_turns(const Vector& x) const;
@@ -43,10 +52,10 @@ class ConeProblem {
   [[nodiscard]] Vector flow(const Vector& mu) const;
   [[nodiscard]] double across(const Loop& strip, const Vector& x) const;
   [[nodiscard]] Vector harmonic(const Loop& generator) const;
-  void add_generators(const std::vector<Loop>& generators, const TrivialOptions& options, const Vector& levi_civita,
-                      Vector& x) const;
+  void add_generators(const std::vector<Loop>& generators, const ConeWish& wish, Vector& x) const;
 
   const Mesh& mesh_;
+  const Geometry& geometry_;
   const Topology& topology_;
   Vector weight_, defect_;
   std::vector<Index> loop_of_vertex_, node_of_vertex_;

@@ -37,6 +37,18 @@ std::shared_ptr<const Frames> ConnectedSurface::frames() const {
 
 namespace {
 
+Connection make_metric(const Surface& surface, const ConnectionOptions& options) {
+  if (options.balance_cones)
+    throw OptionError("balance_cones", "true", "cones that need not be multiples of 1/n cannot be balanced by them");
+  if (options.target.levi_civita())
+    return metric_connection(
+        surface, options.cones,
+        {.generator_holonomy = options.generator_holonomy, .loop_index = options.loop_index, .global = options.global});
+  if (!options.cones.empty() || !options.generator_holonomy.empty() || !options.loop_index.empty())
+    throw OptionError("target", "with cones or holonomies", "a target says everything; give one or the other");
+  return nearest_connection(surface, options.target, {.spread = options.spread, .global = options.global});
+}
+
 Connection make_connection(const Surface& surface, const ConnectionOptions& options) {
   switch (options.kind) {
     case ConnectionKind::global:
@@ -45,6 +57,8 @@ Connection make_connection(const Surface& surface, const ConnectionOptions& opti
       return locally_optimal(surface);
     case ConnectionKind::polar:
       return polar(surface, options.polar);
+    case ConnectionKind::metric:
+      return make_metric(surface, options);
     case ConnectionKind::trivial:
       break;
   }
@@ -78,6 +92,14 @@ Connection globally_optimal(const Surface& surface, const GlobalOptions& options
 
 Connection trivial(const Surface& surface, const std::vector<Cone>& cones, const TrivialOptions& options) {
   return trivial(surface.mesh(), surface.geometry(), cones, options);
+}
+
+Connection metric_connection(const Surface& surface, const std::vector<Cone>& cones, const MetricOptions& options) {
+  return metric_connection(surface.mesh(), surface.geometry(), cones, options);
+}
+
+Connection nearest_connection(const Surface& surface, const ConnectionTarget& target, const NearestOptions& options) {
+  return nearest_connection(surface.mesh(), surface.geometry(), target, options);
 }
 
 double holonomy(const ConnectedSurface& surface, const Loop& strip) {

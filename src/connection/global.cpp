@@ -31,6 +31,7 @@ void optimise_globally(const Mesh& mesh, const Geometry& geometry, const GlobalO
   const HalfedgeWeights weights(mesh, geometry, options);
   const Corrections found = solve_free({mesh, geometry, weights, options.detail}, {&c.tau, &r}, options);
   report(found.refinement, c.report);
+  c.options = options;
   const VectorX<double> turn = mean_turns(mesh, geometry, found.corners);
   move_corners(mesh, found.corners, turn, c, r);
   move_rotations(mesh, found, turn, c);
@@ -44,6 +45,7 @@ void optimise_with_held_rotations(const Mesh& mesh, const Geometry& geometry, co
   const HalfedgeWeights weights(mesh, geometry, options);
   const Corrections found = solve_held({mesh, geometry, weights, options.detail}, {&c.tau, &r}, options);
   report(found.refinement, c.report);
+  c.options = options;
   const VectorX<double> no_turn = VectorX<double>::Zero(mesh.vertices());  // held rotations leave no gauge to fix
   move_corners(mesh, found.corners, no_turn, c, r);
   follow_with_edges(mesh, weights, no_turn, c, r);

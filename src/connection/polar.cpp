@@ -10,6 +10,7 @@ Connection polar(const Mesh& mesh, const Geometry& geometry, const PolarOptions&
   detail::LiftedResiduals residuals;
   Connection c = detail::polar_start(mesh, geometry, options.center, residuals);
   c.kind = ConnectionKind::polar;
+  c.center = options.center;
   measure_deviation(mesh, geometry, {}, c);
   return c;
 }

@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "src/base/cancel.h"
 #include "src/connection/edge_to_face.h"
+#include "src/mesh/surface_points.h"
 
 namespace alcap {
 namespace {
@@ -45,7 +47,7 @@ double along(const Connection& connection, const SurfaceSegment& s) {
 
 bool near(double a, double b) { return std::abs(a - b) <= same_point; }
 
-bool near(const SurfacePoint& p, const SurfacePoint& q) {
+bool same_coordinates(const SurfacePoint& p, const SurfacePoint& q) {
   return near(p.barycentric[0], q.barycentric[0]) && near(p.barycentric[1], q.barycentric[1]) &&
          near(p.barycentric[2], q.barycentric[2]);
 }
@@ -58,7 +60,7 @@ struct Joint {
 
 // From the face of p into that of q; nothing unless p and q are the same point of the surface.
 std::optional<Joint> between(const ConnectedSurface& surface, const SurfacePoint& p, const SurfacePoint& q) {
-  if (p.face == q.face) return near(p, q) ? std::optional(Joint{}) : std::nullopt;
+  if (p.face == q.face) return same_coordinates(p, q) ? std::optional(Joint{}) : std::nullopt;
   const Mesh& mesh = surface.mesh();
   const Geometry& geometry = surface.geometry();
   const Connection& connection = surface.connection();
@@ -66,14 +68,15 @@ std::optional<Joint> between(const ConnectedSurface& surface, const SurfacePoint
     const Index g = mesh.twin(h);
     if (g == none || Mesh::face(g) != q.face) continue;
     const double s = p.barycentric[static_cast<std::size_t>(Mesh::next(h) % 3)];
-    if (near(p, detail::on_halfedge(h, s)) && near(q, detail::on_halfedge(g, 1 - s)))
+    if (same_coordinates(p, detail::on_halfedge(h, s)) && same_coordinates(q, detail::on_halfedge(g, 1 - s)))
       return Joint{pi<double> + detail::edge_to_face_at(mesh, connection, h, s) -
                        detail::edge_to_face_at(mesh, connection, g, 1 - s),
                    pi<double> - geometry.direction(h) + geometry.direction(g)};
   }
   for (Index h = 3 * p.face; h < 3 * p.face + 3; ++h)
     for (Index g = 3 * q.face; g < 3 * q.face + 3; ++g)
-      if (mesh.tail(h) == mesh.tail(g) && near(p, detail::on_halfedge(h, 0)) && near(q, detail::on_halfedge(g, 0)))
+      if (mesh.tail(h) == mesh.tail(g) && same_coordinates(p, detail::on_halfedge(h, 0)) &&
+          same_coordinates(q, detail::on_halfedge(g, 0)))
         return Joint{connection.rho_t[h] - connection.rho_t[g], connection.rho_t[h] - connection.rho_t[g]};
   return std::nullopt;
 }
@@ -90,6 +93,7 @@ Transported transport(const ConnectedSurface& surface, const std::vector<Index>&
     turn_from_path -= wrap(out.start - in.end);
   };
   for (std::size_t k = 0; k + 1 < vertices.size(); ++k) {
+    detail::check_cancelled_at(static_cast<std::int64_t>(k));
     if (vertices[k] == vertices[k + 1]) continue;
     const EdgeRotations edge = rotations(mesh, surface.connection(), vertices[k], vertices[k + 1]);
     if (last) corner(*last, edge);
@@ -113,6 +117,7 @@ Transported transport(const ConnectedSurface& surface, const SurfacePolyline& pa
                         "there is no such face; the mesh has " + std::to_string(mesh.faces()));
   double turn = 0, turn_from_path = 0;
   for (std::size_t k = 0; k < segments.size(); ++k) {
+    detail::check_cancelled_at(static_cast<std::int64_t>(k));
     const SurfaceSegment& here = segments[k];
     const double inside = along(surface.connection(), here);
     turn += inside;
@@ -128,6 +133,24 @@ Transported transport(const ConnectedSurface& surface, const SurfacePolyline& pa
     turn_from_path -= wrap(std::arg(next.tangent) - std::arg(here.tangent) - joint->unfolded);
   }
   return carried(z, n, turn, turn_from_path);
+}
+
+Transported transport(const ConnectedSurface& surface, std::span<const SurfacePoint> points, Complex<double> z, int n) {
+  const SurfacePolyline path = polyline_through(surface, {points.begin(), points.end()});
+  const Mesh& mesh = surface.mesh();
+  const SurfacePoint first = detail::checked_point(mesh, points.front(), 0);
+  const SurfacePoint last = detail::checked_point(mesh, points.back(), points.size() - 1);
+  // The same point of the surface in both: nothing can go wrong.
+  const auto change = [&](const SurfacePoint& p, const SurfacePoint& q) {
+    const auto joint = between(surface, p, q);
+    return joint ? joint->turn : 0.0;
+  };
+  if (path.segments.empty()) return carried(z, n, change(first, last), 0);
+  const SurfaceSegment &start = path.segments.front(), &end = path.segments.back();
+  const Transported inside = transport(surface, path, 1.0, n);
+  const double into = change(first, {start.face, start.a});
+  const double out = path.closed ? change({start.face, start.a}, last) : change({end.face, end.b}, last);
+  return carried(z, n, into + inside.turn + out, inside.turn_from_path);
 }
 
 }  // namespace alcap

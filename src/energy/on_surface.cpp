@@ -24,6 +24,14 @@ FaceField face_field(const ConnectedSurface& surface, int n, const ComplexVector
   return face_field(surface.mesh(), surface.geometry(), surface.connection(), n, u, t);
 }
 
+EdgeField edge_field(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u, Index h) {
+  return edge_field(surface.mesh(), surface.geometry(), surface.connection(), n, u, h);
+}
+
+double edge_to_face(const ConnectedSurface& surface, Index h, double s) {
+  return edge_to_face(surface.mesh(), surface.connection(), h, s);
+}
+
 StiffnessMass energy_matrices(const ConnectedSurface& surface, int n, double s) {
   return energy_matrices(surface.mesh(), surface.geometry(), surface.connection(), n, s);
 }

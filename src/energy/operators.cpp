@@ -9,6 +9,7 @@
 #include "kernels/basis.h"
 #include "kernels/edge_operators.h"
 #include "src/base/parallel.h"
+#include "src/connection/edge_to_face.h"
 #include "src/connection/triangle_frame.h"
 
 namespace alcap {
@@ -32,6 +33,11 @@ void check_vertices(const Mesh& mesh, std::int64_t size) {
 }
 void check_coefficients(const Mesh& mesh, std::int64_t size) {
   check_size("coefficients", size, mesh.halfedges(), "needs three entries per face of the mesh");
+}
+
+void check_halfedge(const Mesh& mesh, Index h) {
+  if (h < 0 || h >= mesh.halfedges())
+    throw OptionError("h", h, "must be a halfedge, 0 to " + std::to_string(mesh.halfedges() - 1));
 }
 
 kernels::EdgeOperator<double> halfedge_operator(const Mesh& mesh, const Geometry& geometry,
@@ -180,6 +186,30 @@ FieldValue FaceField::at(const std::array<double, 3>& barycentric) const {
   }
   const kernels::FieldAt<double> x = kernels::field_at(f, corner, b, n);
   return {from_kernel(x.value), from_kernel(x.d1), from_kernel(x.d2)};
+}
+
+EdgeField edge_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                     const ComplexVectorX<double>& u, Index h) {
+  check_vertices(mesh, u.size());
+  check_halfedge(mesh, h);
+  return {.n = static_cast<double>(n),
+          .rho_tail = connection.rho_start(mesh, h),
+          .rho_tip = connection.rho_end(mesh, h),
+          .eps = connection.eps_along(mesh, h),
+          .length = geometry.length(mesh.edge(h)),
+          .u_tail = u[mesh.tail(h)],
+          .u_tip = u[mesh.tip(h)]};
+}
+
+EdgeValue EdgeField::at(double s) const {
+  const Complex<double> tail = product(u_tail, from_kernel(kernels::unit(-n * (rho_tail + eps * s))));
+  const Complex<double> tip = product(u_tip, from_kernel(kernels::unit(-n * (rho_tip - eps * (1 - s)))));
+  return {(1 - s) * tail + s * tip, (tip - tail) / length};
+}
+
+double edge_to_face(const Mesh& mesh, const Connection& connection, Index h, double s) {
+  check_halfedge(mesh, h);
+  return detail::edge_to_face_at(mesh, connection, h, s);
 }
 
 }  // namespace alcap

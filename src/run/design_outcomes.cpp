@@ -9,6 +9,7 @@
 #include "alcap/operators.h"
 #include "src/base/parallel.h"
 #include "src/run/design_stages.h"
+#include "src/run/remarks.h"
 
 namespace alcap::detail {
 namespace {
@@ -84,9 +85,10 @@ Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
     case Type::singularity: {
       const auto& target = std::get<SingularityTarget>(*outcome.control);
       remark.first = {target.face};
-      if (outcome.index != target.sign)
-        what = "face " + std::to_string(target.face) + " has index " + std::to_string(outcome.index) + " instead of " +
-               std::to_string(target.sign);
+      if (const int asked = target.sign * target.count; outcome.index != asked)
+        what = std::string(target.count > 1 ? "the faces around " : "") + "face " + std::to_string(target.face) +
+               (target.count > 1 ? " have" : " has") + " index " + std::to_string(outcome.index) + " instead of " +
+               std::to_string(asked);
       what += "; more strength, less guidance or fewer controls nearby help";
       break;
     }
@@ -142,6 +144,8 @@ void certify_design(DesignRun& run, bool eigen_converged, double largest_residua
   const auto warn = [&](bool fine, const char* code, const char* message) {
     if (!fine) run.remarks.push_back({.code = code, .message = message});
   };
+  if (run.connection().flat && !run.connection().admits_parallel(run.design.n))
+    run.remarks.push_back(not_parallel(run.design.n));
   warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
   warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
   warn(c.residual_small, "residual_large",

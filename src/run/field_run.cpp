@@ -12,6 +12,7 @@
 #include "src/base/clock.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/run/remarks.h"
 
 namespace alcap {
 namespace {
@@ -105,6 +106,8 @@ void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vect
 }
 
 void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
+  if (run.connection().flat && !run.connection().admits_parallel(options.n))
+    remarks.push_back(detail::not_parallel(options.n));
   const ConnectionReport& connection = run.connection().report;
   if (!connection.converged) {
     remarks.push_back({.code = "connection_not_converged",

@@ -5,12 +5,17 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "alcap/operators.h"
 #include "alcap/shortest_path.h"
+#include "alcap/streamlines.h"
 #include "alcap/strokes.h"
 #include "src/base/random.h"
+#include "src/connection/edge_to_face.h"
 #include "tests/support/mesh_families.h"
 #include "tests/support/surfaces.h"
 
@@ -90,6 +95,80 @@ std::optional<Patch> patch(const ConnectedSurface& s, Index seed, std::size_t si
   } catch (const MeshError&) {
     return std::nullopt;
   }
+}
+
+/// Twice the area of a polygon of one face in units of twice the face: the part of the face that it holds.
+double part_of_face(const std::vector<std::array<double, 3>>& polygon) {
+  double sum = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const auto &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+    sum += p[1] * q[2] - p[2] * q[1];
+  }
+  return sum;
+}
+
+/// Where a point on the border of a face lies on the way around it: 1.25 is a quarter along its second halfedge.
+double along_border(const std::array<double, 3>& b) {
+  for (std::size_t c = 0; c < 3; ++c)
+    if (b[(c + 2) % 3] == 0 && b[c] > 0) return static_cast<double>(c) + b[(c + 1) % 3];
+  return -1;
+}
+
+/// The curvature on the left of a closed path: parts of the faces that it crosses, and all faces beyond them. Nothing
+/// when it crosses a face twice or passes through a vertex.
+std::optional<double> enclosed(const ConnectedSurface& s, SurfacePolyline loop) {
+  auto& segments = loop.segments;
+  for (std::size_t k = 0; segments.front().face == segments.back().face && k < segments.size(); ++k)
+    std::rotate(segments.begin(), segments.begin() + 1, segments.end());
+  std::map<Index, std::vector<std::array<double, 3>>> chains;
+  Index last = none;
+  for (const SurfaceSegment& segment : segments) {
+    if (segment.face != last && chains.count(segment.face) > 0) return std::nullopt;
+    last = segment.face;
+    auto& chain = chains[last];
+    if (chain.empty()) chain.push_back(segment.a);
+    chain.push_back(segment.b);
+  }
+  double sum = 0;
+  std::vector<Index> inside;
+  std::set<Index> seen;
+  for (auto& [t, chain] : chains) {
+    const double from = along_border(chain.front());
+    double at = along_border(chain.back());
+    REQUIRE((from >= 0 && at >= 0));
+    if (std::abs(from - std::nearbyint(from)) < 1e-6 || std::abs(at - std::nearbyint(at)) < 1e-6) return std::nullopt;
+    for (const double stop = from > at ? from : from + 3; std::floor(at) + 1 <= stop; at = std::floor(at) + 1) {
+      const auto c = static_cast<int>(std::floor(at) + 1) % 3;
+      inside.push_back(s.mesh().F()(t, c));
+      chain.push_back(corner(3 * t + c).barycentric);
+    }
+    sum += s.connection().K[t] * part_of_face(chain);
+    seen.insert(t);
+  }
+  while (!inside.empty()) {
+    const Index v = inside.back();
+    inside.pop_back();
+    s.mesh().for_each_outgoing(v, [&](Index h) {
+      if (!seen.insert(Mesh::face(h)).second) return;
+      sum += s.connection().K[Mesh::face(h)];
+      for (int c = 0; c < 3; ++c) inside.push_back(s.mesh().F()(Mesh::face(h), c));
+    });
+  }
+  return sum;
+}
+
+/// A curve traced from inside a face until it comes back into that face, and straight from there to its start.
+std::vector<SurfacePoint> closed_part(const std::vector<SurfacePoint>& points) {
+  bool away = false;
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    if (away && points[k].face == points[0].face) {
+      std::vector<SurfacePoint> loop(points.begin(), points.begin() + static_cast<std::ptrdiff_t>(k));
+      loop.push_back(points[0]);
+      return loop;
+    }
+    away = away || points[k].face != points[0].face;
+  }
+  return {};
 }
 
 }  // namespace
@@ -334,4 +413,118 @@ TEST_CASE("paths that are none are refused, by the name of what is wrong") {
   CHECK(field_of(jump) == "path.segments[1]");
   jump.segments[1].face = 84;
   CHECK(field_of(jump) == "path.segments[1].face");
+}
+
+TEST_CASE("around a polygon of points inside a face a vector turns by the part of the face's curvature inside") {
+  for (const ConnectedSurface& s : connections(bumpy_sphere(2, 0.3, 5))) {
+    detail::Random random(6);
+    for (int k = 0; k < 100; ++k) {
+      const auto t = static_cast<Index>(random.below(s.mesh().faces()));
+      std::vector<SurfacePoint> points;
+      std::vector<std::array<double, 3>> polygon;
+      for (int i = 0; i < 3 + k % 5; ++i) {
+        points.push_back({t, random_point(s.mesh(), random).barycentric});
+        polygon.push_back(points.back().barycentric);
+      }
+      points.push_back(points.front());
+      const Transported round = transport(s, points, C(0.6, 0.8), 3);
+      const double expected = s.connection().K[t] * part_of_face(polygon);
+      CHECK(std::abs(round.turn - expected) < 1e-12);
+      CHECK(std::abs(round.z - C(0.6, 0.8) * std::polar(1.0, 3 * expected)) < 1e-12);
+    }
+  }
+}
+
+TEST_CASE("around a polygon of points across an edge a vector turns by the curvature inside, whatever face is named") {
+  for (const Family& family : mesh_families(2)) {
+    CAPTURE(family.name);
+    for (const ConnectedSurface& s : connections(family.surface)) {
+      const Mesh& mesh = s.mesh();
+      detail::Random random(7);
+      for (Index h = 0; h < mesh.halfedges(); ++h) {
+        const Index g = mesh.twin(h);
+        if (g == none || Mesh::face(g) == Mesh::face(h)) continue;
+        const double low = 0.1 + 0.3 * random.uniform(), high = 0.6 + 0.3 * random.uniform();
+        const SurfacePoint left = {Mesh::face(h), random_point(mesh, random).barycentric};
+        const SurfacePoint right = {Mesh::face(g), random_point(mesh, random).barycentric};
+        const auto in_h = [&](double at) { return detail::on_halfedge(h, at); };
+        const auto in_g = [&](double at) { return detail::on_halfedge(g, 1 - at); };
+        const double expected = s.connection().K[Mesh::face(h)] *
+                                    part_of_face({in_h(low).barycentric, in_h(high).barycentric, left.barycentric}) +
+                                s.connection().K[Mesh::face(g)] *
+                                    part_of_face({in_g(high).barycentric, in_g(low).barycentric, right.barycentric});
+        // The points on the edge are named in one face and in the other; the start is one of them, too.
+        for (const std::vector<SurfacePoint>& round :
+             {std::vector<SurfacePoint>{left, in_h(low), right, in_g(high), left},
+              std::vector<SurfacePoint>{in_h(low), right, in_g(high), left, in_g(low), in_h(low)}}) {
+          const Transported there = transport(s, round, C(0, 1), 2);
+          CHECK(std::abs(there.z - C(0, 1) * std::polar(1.0, 2 * expected)) < 1e-10 * (1 + std::abs(expected)));
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a path of points is the polyline through them, from frame to frame") {
+  const ConnectedSurface s = connected(bumpy_sphere(3, 0.2, 4));
+  for (const SurfacePolyline& line : random_strokes(s, 40)) {
+    std::vector<SurfacePoint> points = {{line.segments.front().face, line.segments.front().a}};
+    for (const SurfaceSegment& segment : line.segments) points.push_back({segment.face, segment.b});
+    const Transported by_line = transport(s, line, C(1, 2)), by_points = transport(s, points, C(1, 2));
+    CHECK(std::abs(by_line.z - by_points.z) < 1e-11);
+    CHECK(by_points.turn_from_path == doctest::Approx(by_line.turn_from_path).epsilon(1e-9).scale(1));
+    const SurfacePolyline same = polyline_through(s, points);
+    CHECK(same.length() == doctest::Approx(line.length()));
+  }
+  const std::vector<SurfacePoint> apart = {{0, {1, 0, 0}}, {s.mesh().faces() - 1, {0.2, 0.3, 0.5}}};
+  CHECK_THROWS_WITH_AS(static_cast<void>(transport(s, apart, 1.0)), doctest::Contains("no face holds both"),
+                       OptionError);
+  CHECK_THROWS_AS(static_cast<void>(transport(s, std::vector<SurfacePoint>{}, 1.0)), OptionError);
+  CHECK_THROWS_AS(static_cast<void>(polyline_through(s, {{0, {2, -1, 0}}})), OptionError);
+}
+
+TEST_CASE("from one name of a point to another a vector changes its frame and nothing else") {
+  const ConnectedSurface s = connected(jittered_sphere(2, 0.2, 4));
+  for (Index h = 0; h < s.mesh().halfedges(); ++h) {
+    const Index g = s.mesh().twin(h), k = s.mesh().twin(Mesh::prev(h));
+    const std::vector<SurfacePoint> edge = {detail::on_halfedge(h, 0.3), detail::on_halfedge(g, 0.7)};
+    const double expected = detail::edge_to_face_at(s.mesh(), s.connection(), h, 0.3) -
+                            detail::edge_to_face_at(s.mesh(), s.connection(), g, 0.7) + pi<double>;
+    CHECK(error_of_angle(transport(s, edge, 1.0).turn, expected) < 1e-12);
+    const std::vector<SurfacePoint> vertex = {corner(h), corner(k)};
+    CHECK(error_of_angle(transport(s, vertex, 1.0).turn, s.connection().rho_t[h] - s.connection().rho_t[k]) < 1e-12);
+  }
+}
+
+TEST_CASE("along closed streamlines a vector turns by the curvature on their left") {
+  for (const MeshData& data : {icosphere(3), jittered_sphere(3, 0.2, 4), bumpy_sphere(3, 0.1, 3)}) {
+    for (const ConnectedSurface& s : connections(data)) {
+      // Turning around the z axis.
+      Field field{.n = 1, .u = ComplexVectorX<double>(s.mesh().vertices()), .frames = s.frames()};
+      for (Index v = 0; v < s.mesh().vertices(); ++v)
+        field.u[v] = s.frames()->component(v, Eigen::RowVector3d::UnitZ().cross(Eigen::RowVector3d(s.V().row(v))));
+      std::vector<CurveSeed> seeds;
+      const Frames faces = face_frames(s);
+      for (Index t = 3; t < s.mesh().faces(); t += 97) {
+        const SurfacePoint p{t, {0.3, 0.4, 0.3}};
+        const Eigen::RowVector3d x = position(s, p);
+        if (std::abs(x.z()) > 0.8) continue;
+        seeds.push_back({p, std::arg(faces.component(t, Eigen::RowVector3d::UnitZ().cross(x)))});
+      }
+      const CurveSet curves = trace_curves(s, field, seeds, {.sides = CurveSides::forward});
+      int closed = 0;
+      for (std::int64_t k = 0; k < curves.size(); ++k) {
+        const std::vector<SurfacePoint> loop = closed_part(curves.path(k));
+        if (loop.size() < 10) continue;
+        const SurfacePolyline line = polyline_through(s, loop);
+        REQUIRE(line.closed);
+        const std::optional<double> expected = enclosed(s, line);
+        if (!expected) continue;
+        ++closed;
+        CHECK(error_of_angle(transport(s, loop, 1.0).turn, *expected) < 1e-9);
+        CHECK(transport(s, loop, 1.0).turn_from_path + 2 * pi<double> == doctest::Approx(*expected).epsilon(1e-9));
+      }
+      CHECK(closed > 4);
+    }
+  }
 }

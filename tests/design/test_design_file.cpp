@@ -31,6 +31,8 @@ DesignFile full() {
   d.s = 0.25;
   d.connection = {.kind = ConnectionKind::trivial,
                   .detail = 0.1,
+                  .length_factor = LengthFactor::per_edge,
+                  .tan_cap = 1.0 / 3,
                   .cones = {{3, 0.5}, {7, -0.5}, {11, 2}},
                   .cones_at = {{{0.1, 0.2, 1}, -1.5}},
                   .balance = true,
@@ -123,6 +125,8 @@ TEST_CASE("what is written reads back as the same design, bit for bit") {
   }
   CHECK(back.s == 0.25);
   CHECK(back.connection.balance);
+  CHECK(back.connection.length_factor == LengthFactor::per_edge);
+  CHECK(back.connection.tan_cap == 1.0 / 3);
   CHECK(back.connection.holonomy == std::vector<double>{0.5, -1});
   CHECK(back.fixed[3].free_length);
   CHECK(back.strokes[1].vertices == std::vector<Index>{1, 2, 30});
@@ -132,11 +136,20 @@ TEST_CASE("what is written reads back as the same design, bit for bit") {
       R"({"alcap_design":1,"n":2,"method":"variational","guidance":{"field":"least-curvature","t":-0.1}})");
   CHECK(*by_t.guidance.t == -0.1);
   CHECK(design_text(parse_design(design_text(by_t))) == design_text(by_t));
+  const DesignFile metric = parse_design(
+      R"({"alcap_design":1,"n":3,"connection":{"kind":"metric","cones":[{"vertex":1,"index":0.123}],"holonomy":[0.3]}})");
+  CHECK(metric.connection.cones[0].index == 0.123);
+  CHECK(design_text(parse_design(design_text(metric))) == design_text(metric));
+  const DesignFile target = parse_design(
+      R"({"alcap_design":1,"n":3,"connection":{"kind":"metric","target":{"adjustment":[0,0.1,-0.2]},"spread":false}})");
+  CHECK(target.connection.target.adjustment == Eigen::Vector3d(0, 0.1, -0.2));
+  CHECK(!target.connection.spread);
+  CHECK(design_text(parse_design(design_text(target))) == design_text(target));
   const DesignFile eigen = parse_design(
       R"({"alcap_design":1,"n":3,"method":"eigen","strokes":[{"vertices":[0,1]}],"singularities":[{"face":0,"kind":"saddle"}]})");
   CHECK(eigen.method == DesignMethod::eigen);
   CHECK(design_text(parse_design(design_text(eigen))) == design_text(eigen));
-  for (const char* kind : {"global", "local", "polar", "polar-barycenter", "trivial"}) {
+  for (const char* kind : {"global", "local", "polar", "polar-barycenter", "trivial", "metric"}) {
     const std::string given = std::string(R"({"alcap_design":1,"n":1,"connection":{"kind":")") + kind + "\"}}";
     CHECK(Json::parse(design_text(parse_design(given)))["connection"]["kind"] == kind);
   }
@@ -493,6 +506,7 @@ TEST_CASE("the schema knows the keys that the reader knows, and the examples are
   CHECK(keys(schema["properties"]["connection"]) == reader("/connection"));
   CHECK(keys(schema["properties"]["guidance"]) == reader("/guidance"));
   CHECK(keys(schema["properties"]["boundary"]) == reader("/boundary"));
+  CHECK(keys(schema["$defs"]["target"]) == reader("/connection/target"));
   CHECK(keys(schema["$defs"]["cone"]) == reader("/connection/cones/0"));
   CHECK(keys(schema["$defs"]["singularity"]) == reader("/singularities/0"));
   CHECK(keys(schema["$defs"]["fixed"]) == reader("/fixed/0"));

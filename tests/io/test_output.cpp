@@ -125,6 +125,65 @@ TEST_CASE("a field in .ply comes back bit for bit, with its mesh, frames, n and 
   }
 }
 
+TEST_CASE("a .ply holds the connection of its field: made again it is the same, bit for bit") {
+  const Folder folder;
+  const MeshData sphere = jittered_sphere(3, 0.2, 4), ring = torus(20, 12, 1, 0.4), tube = cylinder(16, 8);
+  const GlobalOptions weights{.detail = 0.3, .length_factor = LengthFactor::metric, .tan_cap = 7};
+  const std::vector<std::pair<MeshData, ConnectionOptions>> cases = {
+      {sphere, {.kind = ConnectionKind::global, .global = weights}},
+      {sphere, {.kind = ConnectionKind::polar, .polar = {.center = PolarCenter::barycenter}}},
+      {sphere, {.kind = ConnectionKind::local}},
+      {sphere, {.kind = ConnectionKind::trivial, .balance_cones = true, .n = 4}},
+      {ring, {.kind = ConnectionKind::trivial, .cones = {{3, 0.25}, {90, -0.25}}, .n = 4}},
+      {tube, {.kind = ConnectionKind::trivial, .global = weights, .cones = {{40, 1.0 / 3}}, .n = 3}},
+      {sphere, {.kind = ConnectionKind::metric, .cones = {{40, 0.1}, {200, 1.9}}}},
+      {ring, {.kind = ConnectionKind::metric, .cones = {{3, 0.3}, {90, -0.3}}, .generator_holonomy = {0.1, 0.7}}}};
+  for (const auto& [data, options] : cases) {
+    const ConnectedSurface s = connect(Surface(data.V, data.F), options);
+    const Field field{.n = options.n, .u = ComplexVectorX<double>::Ones(s.mesh().vertices()), .frames = s.frames()};
+    write_field({.surface = s, .field = field}, folder.path / "f.ply");
+    const FieldFile back = read_field(folder.path / "f.ply");
+    CHECK(back.connection == options.kind);
+    CHECK(back.connection_known);
+    const ConnectedSurface again = connect(Surface(back.V, back.F), back.how);
+    CAPTURE(name(options.kind));
+    if (options.kind == ConnectionKind::metric) {
+      CHECK((again.connection().rho_t - s.connection().rho_t).cwiseAbs().maxCoeff() < 1e-9);
+    } else {
+      CHECK(again.connection().rho_t == s.connection().rho_t);
+      CHECK(again.connection().K == s.connection().K);
+    }
+    CHECK(again.connection().options.detail == s.connection().options.detail);
+  }
+  // A target is not kept, and the file says so.
+  const Surface surface(sphere.V, sphere.F);
+  const ConnectedSurface s(
+      surface,
+      nearest_connection(surface, {.adjustment = VectorX<double>::Constant(surface.mesh().halfedges(), 0.01)}));
+  const Field field{.n = 1, .u = ComplexVectorX<double>::Ones(s.mesh().vertices()), .frames = s.frames()};
+  write_field({.surface = s, .field = field}, folder.path / "f.ply");
+  CHECK(!read_field(folder.path / "f.ply").connection_known);
+}
+
+TEST_CASE("a .ply of an earlier version, which names the kind of connection alone, is read") {
+  const Folder folder;
+  Case c(jittered_sphere(2, 0.2, 4), 4);
+  c.randomise(3);
+  write_field(c.output(), folder.path / "f.ply");
+  std::string bytes = contents(folder.path / "f.ply");
+  for (const char* key : {"obj_info detail", "obj_info length_factor", "obj_info tan_cap"}) {
+    const std::size_t at = bytes.find(key);
+    REQUIRE(at != std::string::npos);
+    bytes.erase(at, bytes.find('\n', at) + 1 - at);
+  }
+  std::ofstream(folder.path / "old.ply", std::ios::binary) << bytes;
+  const FieldFile old = read_field(folder.path / "old.ply");
+  CHECK(old.connection == ConnectionKind::local);
+  CHECK(old.how.kind == ConnectionKind::local);
+  CHECK(!old.connection_known);
+  CHECK(old.field.u == c.field.u);
+}
+
 TEST_CASE("rawfield: n tangent vectors per face, counter-clockwise, whose n-th power is the field at the barycenter") {
   const Folder folder;
   for (const int n : {1, 2, 4, 6}) {

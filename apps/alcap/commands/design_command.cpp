@@ -63,8 +63,7 @@ Inputs read_inputs(const DesignOptionsGiven& options, Progress& progress) {
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
   in.file = read_choice(options.mesh);
   in.read_seconds = watch.lap();
-  Faces F = apply_repairs(in.file.V, in.file.F, options.mesh.repairs, in.remarks);
-  in.surface = Surface(std::move(in.file.V), std::move(F));
+  in.surface = make_surface(options.mesh, in.file, in.remarks);
   for (Remark& r : mesh_remarks(in.surface)) in.remarks.push_back(std::move(r));
   in.mesh_seconds = watch.lap();
   return in;
@@ -152,6 +151,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<DesignOptionsGiven>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
+  add_lengths_option(app, options->mesh);
   add_design_options(app, options->flags);
   add_files_options(app, options->files);
   add_show_options(app, options->show);

@@ -86,6 +86,19 @@ std::string summary(const FieldOptions& options, const Json& report) {
   return text + summary_end(report);
 }
 
+/// The field of the mesh that was read, or of the intrinsic surface that edge lengths make of it.
+FieldRun run_on(FieldOptions& options, MeshFile& file) {
+  options.run.repairs = options.mesh.repairs;
+  if (options.mesh.lengths.empty()) return run_field(std::move(file.V), std::move(file.F), options.run);
+  std::vector<Remark> remarks;
+  const Surface surface = make_surface(options.mesh, file, remarks);
+  FieldRunOptions without_repairs = options.run;
+  without_repairs.repairs.clear();
+  FieldRun run = run_field(surface, without_repairs);
+  run.remarks.insert(run.remarks.begin(), remarks.begin(), remarks.end());
+  return run;
+}
+
 Outcome run(FieldOptions options, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
@@ -97,9 +110,8 @@ Outcome run(FieldOptions options, Progress& progress) {
   const std::int64_t faces = file.F.rows();
   times.read = total.seconds();
 
-  options.run.repairs = options.mesh.repairs;
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
-  const FieldRun result = run_field(std::move(file.V), std::move(file.F), options.run);
+  const FieldRun result = run_on(options, file);
 
   progress.phase("writing");
   const detail::Stopwatch writing;
@@ -130,6 +142,8 @@ Outcome run_batch_of(FieldOptions options, const Common& common) {
     throw Failure(Exit::usage, "MESH and --batch exclude each other; put the mesh into the list",
                   {{"option", "--batch"}});
   }
+  if (!options.mesh.lengths.empty())
+    throw Failure(Exit::usage, "--lengths is for one mesh, and --batch has many", {{"option", "--lengths"}});
   options.batch.folder = options.files.output;
   options.batch.formats =
       options.files.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options.files);
@@ -141,6 +155,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<FieldOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
+  add_lengths_option(app, options->mesh);
   app.get_option("mesh")->required(false);  // or --batch
   add_batch_options(app, options->batch);
   app.add_option("-n,-r,--degree,--rosy", options->run.n,

@@ -40,7 +40,7 @@ struct OpsOptions {
   std::filesystem::path output = {};
   OperatorKind kind = OperatorKind::edge;  // more accurate, and exact over patches
   bool density = false;
-  cli::Option* given = nullptr;  // --connection, to see whether it was given
+  cli::App* app = nullptr;  // to see which options were given
 };
 
 /// Four integrals per face.
@@ -117,14 +117,13 @@ Json energies_json(double dirichlet, double a, double h) {
 
 /// The connection to take derivatives with: as asked, or else the one that the field was made with.
 ConnectionOptions choose_connection(const OpsOptions& options, const FieldFile& file) {
-  ConnectionOptions how = options.connection;
-  how.n = file.field.n;
-  if (options.given->count() == 0 && how.cones.empty()) how.kind = file.connection;
-  if (how.kind == ConnectionKind::trivial && how.cones.empty()) {
-    throw Failure(Exit::usage, "the field was made with a trivial connection; repeat its --cone options here",
+  if (connection_lost(*options.app, file)) {
+    throw Failure(Exit::usage,
+                  "the file does not hold all of the " + std::string(name(file.connection)) +
+                      " connection that the field was made with; repeat its --cone or --target options here",
                   {{"option", "--cone"}});
   }
-  return how;
+  return connection_for(*options.app, options.connection, file);
 }
 
 Loaded load(const OpsOptions& options, Progress& progress) {
@@ -134,8 +133,7 @@ Loaded load(const OpsOptions& options, Progress& progress) {
   const FieldFile field = read_field(options.field);
   check_same_mesh(options, out.file, field);
   out.how = choose_connection(options, field);
-  Faces F = apply_repairs(out.file.V, out.file.F, options.mesh.repairs, out.remarks);
-  const Surface surface(std::move(out.file.V), std::move(F));
+  const Surface surface = make_surface(options.mesh, out.file, out.remarks);
 
   progress.phase("finding the connection");
   out.surface = connect(surface, out.how);
@@ -232,6 +230,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<OpsOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
+  add_lengths_option(app, options->mesh);
   app.add_option("field", options->field, "Field on it: a .ply written by alcap field")->required()->type_name("FIELD");
   app.add_option("-o,--output", options->output, "Write a value per face to this .csv or .vtp")->type_name("FILE");
   app.add_option_function<std::string>(
@@ -245,7 +244,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->default_str("edge");
   app.add_flag("--density", options->density, "Means per unit of area instead of integrals in the file");
   add_connection_options(app, options->connection);
-  options->given = app.get_option("--connection");
+  options->app = &app;
   return [options](const Common&, Progress& progress) { return run(*options, progress); };
 }
 

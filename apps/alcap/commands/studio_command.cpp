@@ -67,8 +67,7 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
   MeshFile mesh = read_choice(options.mesh);
   std::vector<Remark> remarks;
-  Faces F = apply_repairs(mesh.V, mesh.F, options.mesh.repairs, remarks);
-  const Surface surface(std::move(mesh.V), std::move(F));
+  const Surface surface = make_surface(options.mesh, mesh, remarks);
   progress.phase("finding the first field");
   StudioSession session(surface, start_design(options, file), file);
   progress.clear();
@@ -91,6 +90,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<StudioOptions>();
   app.footer(footer);
   add_mesh_options(app, options->mesh);
+  add_lengths_option(app, options->mesh);
   app.add_option("--design", options->design, "The design to go on with or to start; edits are saved there")
       ->type_name("FILE");
   app.add_option("-n", options->n, "Symmetry of a new design: 1 vectors, 2 lines, 4 crosses")

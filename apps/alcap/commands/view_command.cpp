@@ -38,7 +38,7 @@ constexpr const char* footer =
 struct ViewOptions {
   std::filesystem::path field = {};
   ConnectionOptions connection = {};
-  cli::Option* given = nullptr;       // --connection, to see whether it was given
+  cli::App* app = nullptr;            // to see which options were given
   std::filesystem::path output = {};  // none: no page
   PictureOptions picture = {};
   std::string title = {};
@@ -73,17 +73,13 @@ void check_outputs(const ViewOptions& options) {
 
 /// The connection to show the field with: as asked, or else as the field was made.
 ConnectionOptions choose_connection(const ViewOptions& options, const FieldFile& data, std::vector<Remark>& remarks) {
-  ConnectionOptions how = options.connection;
-  how.n = data.field.n;
-  if (options.given->count() == 0 && how.cones.empty()) how.kind = data.connection;
-  if (how.kind == ConnectionKind::trivial && how.cones.empty()) {
-    // Its cones are not in the file. The field keeps its directions at the vertices.
-    how.kind = ConnectionKind::global;
-    remarks.push_back({.code = "cones_unknown",
-                       .message = "the field was made with a trivial connection whose cones the file does not hold; "
-                                  "shown with the global connection instead (repeat its --cone options here)"});
-  }
-  return how;
+  if (!connection_lost(*options.app, data)) return connection_for(*options.app, options.connection, data);
+  // The field keeps its directions at the vertices.
+  remarks.push_back({.code = "cones_unknown",
+                     .message = "the file does not hold all of the " + std::string(name(data.connection)) +
+                                " connection that the field was made with; shown with the global connection instead "
+                                "(repeat its --cone or --target options here)"});
+  return {.global = options.connection.global, .n = data.field.n};
 }
 
 /// The files with one line each; the page says how to look at it.
@@ -155,7 +151,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   app.add_option("--title", options->title, "Its title; otherwise the name of the mesh")->type_name("TEXT");
   add_connection_options(app, options->connection);
   add_picture_options(app, options->picture);
-  options->given = app.get_option("--connection");
+  options->app = &app;
   return [options](const Common&, Progress& progress) { return run(*options, progress); };
 }
 

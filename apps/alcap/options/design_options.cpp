@@ -5,8 +5,10 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 
 #include "apps/alcap/options/cli.h"
@@ -188,17 +190,38 @@ void add_singularity_options(cli::App& app, DesignFlags& flags) {
                     "A counter-clockwise vortex (n = 1); ANGLE 180 makes it clockwise");
   add_singularities(app, flags, "--saddle", SingularityKind::saddle,
                     "Singularity of index -1/n; ANGLE is the direction of a branch, from the face's first edge");
-  add_list(app, "--singularity", "FACE:+-1[:ANGLE]", "Index +1/n or -1/n in this face",
+  add_list(app, "--singularity", "FACE:+-K[:ANGLE]",
+           "Index +K/n or -K/n in this face: K zeros side by side, in it and in the nearest faces",
            [&flags](const std::string& text) {
-             const Parts parts("--singularity", "FACE:+1 or FACE:-1, then :ANGLE if wanted", text);
+             const Parts parts("--singularity", "FACE:+1 or FACE:-1 (or more), then :ANGLE if wanted", text);
              parts.expect(2, 3);
-             const int sign = parts.number<int>(parts.text(1));
-             if (sign != 1 && sign != -1) parts.fail();
+             const int index = parts.number<int>(parts.text(1));
+             if (index == 0 || std::abs(index) > 1000) parts.fail();
              flags.singularities.push_back({.name = "--singularity " + text,
                                             .face = parts.index(0),
-                                            .kind = sign > 0 ? SingularityKind::source : SingularityKind::saddle,
-                                            .angle = parts.angle(2)});
+                                            .kind = index > 0 ? SingularityKind::source : SingularityKind::saddle,
+                                            .angle = parts.angle(2),
+                                            .count = std::abs(index)});
            });
+  const auto edit = [&app, &flags](const char* option, const char* form, const char* help, DesignEdit::Type type) {
+    add_list(app, option, form, help, [&flags, option, form, type](const std::string& text) {
+      const Parts parts(option, form, text);
+      parts.expect(2, type == DesignEdit::Type::split ? 3 : 2);
+      DesignEdit e{.type = type, .which = static_cast<std::size_t>(parts.index(0))};
+      if (type == DesignEdit::Type::merge)
+        e.other = static_cast<std::size_t>(parts.index(1));
+      else
+        e.to = parts.index(1);
+      if (parts.size() == 3) e.count = parts.index(2);
+      flags.edits.push_back(e);
+    });
+  };
+  edit("--move", "NUMBER:FACE", "Move a singularity, counted from 0 through the design file and then the flags",
+       DesignEdit::Type::move);
+  edit("--merge", "NUMBER:NUMBER", "Add the index of the second singularity to the first, and take it away",
+       DesignEdit::Type::merge);
+  edit("--split", "NUMBER:FACE[:COUNT]", "COUNT n-ths (1) of a singularity go to another face",
+       DesignEdit::Type::split);
   app.add_option("--relative-to", flags.relative_to,
                  "Angles of the singularities given as flags start from this direction of space, projected to the face")
       ->type_name("X,Y,Z")
@@ -270,6 +293,36 @@ void add_method_options(cli::App& app, DesignFlags& flags) {
       ->group("Solver");
 }
 
+/// What the flags say of the connection, on top of the design file's.
+void take_connection(const DesignFlags& flags, DesignConnection& connection) {
+  const ConnectionOptions& given = flags.connection;
+  const auto any = [&](std::initializer_list<const char*> options) {
+    return std::any_of(options.begin(), options.end(), [&](const char* o) { return flags.count(o) > 0; });
+  };
+  if (any({"--connection", "--cone", "--cones", "--holonomy", "--loop-index", "--target"})) {
+    const bool kept = given.kind == ConnectionKind::trivial || given.kind == ConnectionKind::metric;
+    if (!kept) {
+      connection.cones.clear();
+      connection.cones_at.clear();
+      connection.holonomy.clear();
+      connection.loops.clear();
+      connection.target = {};
+    }
+    // Cones added to those of a metric connection leave it one.
+    if (any({"--connection", "--target", "--cones"}) || connection.kind != ConnectionKind::metric)
+      connection.kind = given.kind;
+    connection.center = given.polar.center;
+  }
+  for (const Cone& cone : given.cones) connection.cones.push_back(cone);
+  if (any({"--holonomy"})) connection.holonomy = given.generator_holonomy;
+  if (any({"--loop-index"})) connection.loops = given.loop_index;
+  if (any({"--target"})) connection.target = given.target;
+  if (any({"--hold-curvature"})) connection.spread = false;
+  if (any({"--detail"})) connection.detail = given.global.detail;
+  if (any({"--length-factor"})) connection.length_factor = given.global.length_factor;
+  if (any({"--tan-cap"})) connection.tan_cap = given.global.tan_cap;
+}
+
 }  // namespace
 
 void add_design_options(cli::App& app, DesignFlags& flags) {
@@ -294,16 +347,7 @@ DesignFile make_design(const DesignFlags& flags) {
   if (flags.count("--energy") > 0) design.s = flags.s;
   if (flags.boundary.wanted) design.boundary = flags.boundary;
   if (flags.count("--cones") > 0) design.connection.balance = true;
-  if (flags.count("--connection") > 0 || flags.count("--cone") > 0 || flags.count("--cones") > 0) {
-    design.connection.kind = flags.connection.kind;
-    design.connection.center = flags.connection.polar.center;
-    if (flags.connection.kind != ConnectionKind::trivial) {
-      design.connection.cones.clear();
-      design.connection.cones_at.clear();
-    }
-  }
-  for (const Cone& cone : flags.connection.cones) design.connection.cones.push_back(cone);
-  if (flags.count("--detail") > 0) design.connection.detail = flags.connection.global.detail;
+  take_connection(flags, design.connection);
   if (flags.guidance) design.guidance = *flags.guidance;
   if (flags.t) {
     if (design.guidance.source == DesignGuidance::Source::none)
@@ -314,7 +358,7 @@ DesignFile make_design(const DesignFlags& flags) {
   for (DesignSingularity s : flags.singularities) {
     s.strength = flags.strength;
     s.pin = flags.pin;
-    const bool swirl = design.n == 1 && index_of(s.kind) > 0;
+    const bool swirl = index_of(s.kind) * s.count == design.n;
     if (flags.relative_to.size() == 3 && !swirl)
       s.relative_to = Vector3{flags.relative_to[0], flags.relative_to[1], flags.relative_to[2]};
     design.singularities.push_back(std::move(s));
@@ -322,6 +366,7 @@ DesignFile make_design(const DesignFlags& flags) {
   for (const DesignFixed& f : flags.fixed) design.fixed.push_back(f);
   for (const std::string& text : flags.strokes)
     for (DesignStroke& s : read_strokes(text)) design.strokes.push_back(std::move(s));
+  for (const DesignEdit& e : flags.edits) design.edits.push_back(e);
   check_design(design);
   const bool nothing = design.singularities.empty() && design.fixed.empty() && design.strokes.empty() &&
                        !design.boundary.wanted && design.method != DesignMethod::eigen &&

@@ -19,6 +19,7 @@ struct DesignFlags {
   int n = 1;
   ConnectionOptions connection = {};
   std::vector<DesignSingularity> singularities = {};
+  std::vector<DesignEdit> edits = {};
   std::vector<DesignFixed> fixed = {};
   std::vector<std::string> strokes = {};  // FILE[:WEIGHT]
   DesignBoundary boundary = {};

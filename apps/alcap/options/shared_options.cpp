@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 
+#include "alcap/design_file.h"
 #include "alcap/solve.h"
 #include "apps/alcap/options/cli.h"
 
@@ -16,13 +17,14 @@ namespace {
 
 /// A whole number, or a decimal one, that is all of `text`. Throws cli::ValidationError.
 template <class T>
-T parse_number(const std::string& whole, const std::string& text) {
+T parse_number(const std::string& whole, const std::string& text, const char* option = "--cone",
+               const char* form = "VERTEX:INDEX, such as 12:1/4 or 7:-0.5") {
   T value{};
   const char* const end = text.data() + text.size();
   const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
   const auto [stop, error] = std::from_chars(begin, end, value);
   if (error != std::errc() || stop != end) {
-    throw cli::ValidationError("--cone", whole + " should be VERTEX:INDEX, such as 12:1/4 or 7:-0.5");
+    throw cli::ValidationError(option, whole + " should be " + form);
   }
   return value;
 }
@@ -63,11 +65,61 @@ void add_mesh_options(cli::App& app, MeshChoice& choice) {
   app.add_flag("--refuse-polygons", choice.refuse_polygons, "Stop at faces of more than three corners")->group("Mesh");
 }
 
+void add_lengths_option(cli::App& app, MeshChoice& choice) {
+  app.add_option("--lengths", choice.lengths,
+                 "An intrinsic surface: edges are as long as this text file says, three numbers a face; the mesh gives "
+                 "its faces, and the points where it is drawn")
+      ->type_name("FILE")
+      ->group("Mesh");
+}
+
 MeshFile read_choice(const MeshChoice& choice) {
   using Polygons = ReadOptions::Polygons;
   return read_mesh(choice.path, {.polygons = choice.refuse_polygons ? Polygons::refuse : Polygons::triangulate,
                                  .format = choice.format});
 }
+
+Surface make_surface(const MeshChoice& choice, MeshFile& file, std::vector<Remark>& remarks) {
+  Faces F = apply_repairs(file.V, file.F, choice.repairs, remarks);
+  if (choice.lengths.empty()) return {std::move(file.V), std::move(F)};
+  Mesh mesh(std::move(F), file.V.rows());
+  const VectorX<double> lengths = read_edge_lengths(choice.lengths, mesh);
+  return Surface::from_lengths(std::move(mesh), lengths, std::move(file.V));
+}
+
+namespace {
+
+/// Cones make a connection trivial unless it is metric.
+void imply_cones(ConnectionOptions& options) {
+  if (options.kind != ConnectionKind::metric) options.kind = ConnectionKind::trivial;
+}
+
+/// "0.25", "-1/4"
+double parse_turns(const char* option, const std::string& text) {
+  const std::size_t slash = std::min(text.find('/'), text.size());
+  double turns = parse_number<double>(text, text.substr(0, slash), option, "a number of turns, such as 0.25 or -1/4");
+  if (slash < text.size())
+    turns /= parse_number<Index>(text, text.substr(slash + 1), option, "a number of turns, such as 0.25 or -1/4");
+  if (!std::isfinite(turns)) throw cli::ValidationError(option, text + " is not finite");
+  return turns;
+}
+
+void add_turns(cli::App& app, const char* option, ConnectionOptions& options,
+               std::vector<double> ConnectionOptions::*values, const char* help) {
+  app.add_option_function<std::vector<std::string>>(
+         option,
+         [&options, option, values](const std::vector<std::string>& texts) {
+           for (const std::string& t : texts) (options.*values).push_back(parse_turns(option, t));
+           imply_cones(options);
+         },
+         help)
+      ->type_name("TURNS")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->group("Connection");
+}
+
+}  // namespace
 
 void add_connection_options(cli::App& app, ConnectionOptions& options) {
   app.add_option_function<std::string>(
@@ -79,19 +131,20 @@ void add_connection_options(cli::App& app, ConnectionOptions& options) {
          },
          "How directions are compared from place to place. global: as Levi-Civita as possible, the most accurate; "
          "local: its cheap approximation; polar: the classical geodesic polar map; polar-barycenter: to reproduce "
-         "published tables; trivial: flat but for the vertices given by --cone")
+         "published tables; trivial: flat but for the vertices given by --cone, indices multiples of 1/n; metric: any "
+         "other, by --cone, --holonomy and --loop-index of any size or by --target")
       ->type_name("KIND")
-      ->check(cli::IsMember({"global", "local", "polar", "polar-barycenter", "trivial"}))
+      ->check(cli::IsMember({"global", "local", "polar", "polar-barycenter", "trivial", "metric"}))
       ->default_str("global")
       ->group("Connection");
   app.add_option_function<std::vector<std::string>>(
          "--cone",
          [&options](const std::vector<std::string>& cones) {
            for (const std::string& c : cones) options.cones.push_back(parse_cone(c));
-           options.kind = ConnectionKind::trivial;
+           imply_cones(options);
          },
-         "Of the trivial connection (which it implies): the field's index at a vertex, as VERTEX:1/4. Repeat it; on "
-         "a closed surface the indices must sum to the Euler characteristic")
+         "Of the trivial connection (which it implies) and of metric: the field's index at a vertex, as VERTEX:1/4. "
+         "Repeat it; on a closed surface the indices must sum to the Euler characteristic")
       ->type_name("CONE")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -107,9 +160,71 @@ void add_connection_options(cli::App& app, ConnectionOptions& options) {
       ->type_name("auto-balance")
       ->check(cli::IsMember({"auto-balance"}))
       ->group("Connection");
-  app.add_option("--detail", options.global.detail,
+  add_turns(app, "--holonomy", options, &ConnectionOptions::generator_holonomy,
+            "Of trivial and metric: turns around each of the 2 genus generators of homology; default the least change");
+  add_turns(app, "--loop-index", options, &ConnectionOptions::loop_index,
+            "Of trivial and metric: index of each boundary loop, in turns; default the least change");
+  app.add_option_function<std::string>(
+         "--target",
+         [&options](const std::string& path) {
+           options.target = read_connection_target(path);
+           options.kind = ConnectionKind::metric;
+         },
+         "Of the metric connection (which it implies): the nearest one to the rotations, adjustment angles or "
+         "curvatures in this JSON file (docs/design.md)")
+      ->type_name("FILE")
+      ->group("Connection");
+  app.add_flag_function(
+         "--hold-curvature", [&options](std::int64_t) { options.spread = false; },
+         "With --target: curvature stays in the faces around its vertex instead of spreading as far as is best")
+      ->group("Connection");
+  add_weight_options(app, options.global);
+}
+
+namespace {
+
+bool says_which(cli::App& app) {
+  for (const char* option : {"--connection", "--cone", "--cones", "--holonomy", "--loop-index", "--target"})
+    if (app.get_option(option)->count() > 0) return true;
+  return false;
+}
+
+}  // namespace
+
+ConnectionOptions connection_for(cli::App& app, const ConnectionOptions& flags, const FieldFile& file) {
+  ConnectionOptions how = says_which(app) ? flags : file.how;
+  how.n = file.field.n;
+  if (app.get_option("--detail")->count() > 0) how.global.detail = flags.global.detail;
+  if (app.get_option("--length-factor")->count() > 0) how.global.length_factor = flags.global.length_factor;
+  if (app.get_option("--tan-cap")->count() > 0) how.global.tan_cap = flags.global.tan_cap;
+  return how;
+}
+
+bool connection_lost(cli::App& app, const FieldFile& file) {
+  const bool prescribed = file.connection == ConnectionKind::trivial || file.connection == ConnectionKind::metric;
+  return prescribed && !file.connection_known && !says_which(app);
+}
+
+void add_weight_options(cli::App& app, GlobalOptions& options) {
+  app.add_option("--detail", options.detail,
                  "Of the global connection: below 1 the field ignores small bumps (fewer singularities), above 1 it "
                  "follows every detail")
+      ->type_name("X")
+      ->capture_default_str()
+      ->check(cli::PositiveNumber)
+      ->group("Connection");
+  app.add_option_function<std::string>(
+         "--length-factor",
+         [&options](const std::string& text) {
+           options.length_factor = from_name<LengthFactor>(text).value();  // among those checked below
+         },
+         "How much an edge counts besides its angles. mean_edge: its length over the mean, the same in every unit; "
+         "metric: its length, as printed in the paper; per_edge: all the same")
+      ->type_name("FACTOR")
+      ->check(cli::IsMember({"mean_edge", "metric", "per_edge"}))
+      ->default_str("mean_edge")
+      ->group("Connection");
+  app.add_option("--tan-cap", options.tan_cap, "Cap of tan(angle opposite an edge), also used at obtuse angles")
       ->type_name("X")
       ->capture_default_str()
       ->check(cli::PositiveNumber)

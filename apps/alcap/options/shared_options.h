@@ -9,6 +9,7 @@
 
 #include "alcap/field_run.h"
 #include "alcap/mesh_io.h"
+#include "alcap/output.h"
 #include "apps/alcap/commands/command.h"
 
 namespace alcap::app {
@@ -19,7 +20,11 @@ struct MeshChoice {
   std::string format = {};       // by content
   bool refuse_polygons = false;  // quads are common; triangulating them is rarely wrong
   std::vector<Repair> repairs = {};
+  std::filesystem::path lengths = {};  // none: as far apart as the vertices are
 };
+
+/// Adds --lengths, for commands that call make_surface().
+void add_lengths_option(cli::App& app, MeshChoice& choice);
 
 /// Adds MESH (positional), --repair, --input-format and --refuse-polygons.
 void add_mesh_options(cli::App& app, MeshChoice& choice);
@@ -27,9 +32,23 @@ void add_mesh_options(cli::App& app, MeshChoice& choice);
 /// Reads the mesh. Throws FileError.
 [[nodiscard]] MeshFile read_choice(const MeshChoice& choice);
 
-/// Adds --connection, --cone, --cones and --detail, which set kind, polar.center, cones, balance_cones and
-/// global.detail.
+/// The surface of a mesh that was read, after the repairs asked for and with the edge lengths asked for. Takes the
+/// file's arrays. Appends what the repairs did. Throws MeshError, FileError, OptionError.
+[[nodiscard]] Surface make_surface(const MeshChoice& choice, MeshFile& file, std::vector<Remark>& remarks);
+
+/// Adds --connection, --cone, --cones, --holonomy, --loop-index, --target and --hold-curvature, which say what
+/// connection it is, and those of add_weight_options().
 void add_connection_options(cli::App& app, ConnectionOptions& options);
+
+/// The connection to look at a field with: as the flags of add_connection_options() say, or, where none says what
+/// connection it is, that of the file, with the weights that were given as flags. Ask after parsing.
+[[nodiscard]] ConnectionOptions connection_for(cli::App& app, const ConnectionOptions& flags, const FieldFile& file);
+
+/// Whether the file's connection is taken but not all of it is in the file.
+[[nodiscard]] bool connection_lost(cli::App& app, const FieldFile& file);
+
+/// Adds --detail, --length-factor and --tan-cap.
+void add_weight_options(cli::App& app, GlobalOptions& options);
 
 /// Adds --solver, --method, --tolerance and --max-iterations.
 void add_eigen_options(cli::App& app, EigenOptions& options);

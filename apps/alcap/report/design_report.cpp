@@ -52,11 +52,14 @@ void singularity(const DesignRun& run, const DesignOutcome& outcome, Json& json)
   const DesignSingularity& s = run.design.singularities[outcome.number];
   const auto& target = std::get<SingularityTarget>(*outcome.control);
   const double asked = target.orientation * degrees;
-  json["asked"] = {{"kind", name(s.kind)},           {"face", s.face},
-                   {"index", target.sign},           {"angle_degrees", number(asked)},
-                   {"strength", number(s.strength)}, {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
+  json["asked"] = {{"kind", name(s.kind)},
+                   {"face", s.face},
+                   {"index", target.sign * target.count},
+                   {"angle_degrees", number(asked)},
+                   {"strength", number(s.strength)},
+                   {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
   json["achieved"] = {{"index", outcome.index}, {"angle_degrees", nullptr}, {"barycentric", nullptr}, {"xyz", nullptr}};
-  if (outcome.found) {
+  if (outcome.found && target.count == 1) {
     const double period = 360.0 / symmetry(run.design.n, outcome.found->index);
     json["achieved"]["angle_degrees"] = number(nearest_angle(outcome.found->orientation * degrees, asked, period));
     json["achieved"]["barycentric"] = triple(outcome.found->barycentric);

@@ -117,6 +117,12 @@ Json components_json(const FieldRun& run) {
   return list;
 }
 
+Json numbers(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double x : values) list.push_back(number(x));
+  return list;
+}
+
 Json options_json(const FieldRunOptions& options) {
   Json repairs = Json::array();
   for (const Repair r : options.repairs) repairs.push_back(name(r));
@@ -126,6 +132,8 @@ Json options_json(const FieldRunOptions& options) {
           {"energy", number(options.s)},
           {"connection", name(ConnectionChoice{options.connection.kind, options.connection.polar.center})},
           {"detail", number(options.connection.global.detail)},
+          {"length_factor", name(options.connection.global.length_factor)},
+          {"tan_cap", number(options.connection.global.tan_cap)},
           {"cones", std::move(cones)},
           {"balance_cones", options.connection.balance_cones},
           {"tolerance", number(options.eigen.tolerance)},
@@ -260,6 +268,10 @@ Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& o
   const ConnectionReport& report = connection.report;
   return {{"kind", name(ConnectionChoice{options.kind, options.polar.center})},
           {"detail", number(options.global.detail)},
+          {"length_factor", name(options.global.length_factor)},
+          {"tan_cap", number(options.global.tan_cap)},
+          {"generator_holonomy", numbers(connection.generator_holonomy)},
+          {"loop_index", numbers(connection.loop_index)},
           {"D_T", number(report.D_T)},
           {"D_E", number(report.D_E)},
           {"K_min_over_area", number(density.least)},

@@ -80,6 +80,7 @@ void close_faces(const Mesh& mesh, const Geometry& geometry, const HalfedgeWeigh
 
 void measure_deviation(const Mesh& mesh, const Geometry& geometry, const GlobalOptions& options, Connection& c) {
   detail::validate(options);
+  c.options = options;
   const detail::HalfedgeWeights weights(mesh, geometry, options);
   c.report.D_T = parallel_sum<double>(mesh.faces(), [&](std::int64_t t) {
     const Index h = static_cast<Index>(3 * t);

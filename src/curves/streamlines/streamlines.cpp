@@ -102,6 +102,14 @@ double CurveSet::length(std::int64_t k) const {
   return sum;
 }
 
+std::vector<SurfacePoint> CurveSet::path(std::int64_t k) const {
+  if (k < 0 || k >= size()) throw OptionError("k", k, "there is no such curve; there are " + std::to_string(size()));
+  std::vector<SurfacePoint> out;
+  for (std::int64_t i = offsets[detail::at(k)]; i < offsets[detail::at(k) + 1]; ++i)
+    out.push_back({faces[detail::at(i)], {barycentric(i, 0), barycentric(i, 1), barycentric(i, 2)}});
+  return out;
+}
+
 void CurveSet::append(const CurveSet& other) {
   const std::int64_t base = offsets.back();
   for (std::int64_t k = 1; k <= other.size(); ++k) offsets.push_back(base + other.offsets[detail::at(k)]);

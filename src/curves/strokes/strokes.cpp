@@ -2,7 +2,6 @@
 #include "alcap/strokes.h"
 
 #include <algorithm>
-#include <cmath>
 #include <string>
 
 #include "alcap/shortest_path.h"
@@ -10,57 +9,13 @@
 #include "src/base/array.h"
 #include "src/base/cancel.h"
 #include "src/curves/strokes/trace.h"
+#include "src/mesh/surface_points.h"
 
 namespace alcap {
 namespace {
 
-// Coordinates below this are zero: the point is put on the edge or the vertex.
-constexpr double on_edge = 1e-9;
-// Segments shorter than this, relative to their face, are rounding.
-constexpr double no_length = 1e-12;
-
-using Barycentric = std::array<double, 3>;
-
-/// The vector from a to b in the frame of face t.
-Complex<double> difference(const Geometry& geometry, const Mesh& mesh, Index t, const Barycentric& a,
-                           const Barycentric& b) {
-  const double l = geometry.length(mesh.edge(3 * t)), m = geometry.length(mesh.edge(3 * t + 2));
-  return (b[1] - a[1]) * Complex<double>(l) + (b[2] - a[2]) * std::polar(m, geometry.angle(3 * t));
-}
-
 void append(SurfacePolyline& line, const Mesh& mesh, const Geometry& geometry, const detail::Step& step) {
-  const Complex<double> d = difference(geometry, mesh, step.face, step.a, step.b);
-  const double length = std::abs(d);
-  if (!(length > no_length * std::sqrt(geometry.area(step.face)))) return;
-  line.segments.push_back({step.face, step.a, step.b, d / length, length});
-}
-
-SurfacePoint checked(const Mesh& mesh, const SurfacePoint& p, std::size_t k) {
-  const std::string field = "points[" + std::to_string(k) + "]";
-  if (p.face < 0 || p.face >= mesh.faces())
-    throw OptionError(field, p.face, "there is no such face; the mesh has " + std::to_string(mesh.faces()));
-  SurfacePoint q = p;
-  double sum = 0;
-  for (double& b : q.barycentric) {
-    if (!(b >= -1e-6 && b <= 1 + 1e-6))
-      throw OptionError(field, b, "barycentric coordinates are not negative and sum to 1");
-    sum += b;
-    if (b < on_edge) b = 0;
-  }
-  if (!(std::abs(sum - 1) <= 1e-6))
-    throw OptionError(field, sum, "barycentric coordinates are not negative and sum to 1");
-  sum = q.barycentric[0] + q.barycentric[1] + q.barycentric[2];
-  for (double& b : q.barycentric) b /= sum;
-  return q;
-}
-
-bool same_point(const Mesh& mesh, const SurfacePoint& p, const SurfacePoint& q) {
-  for (const SurfacePoint& r : detail::representations(mesh, p))
-    if (r.face == q.face && std::abs(r.barycentric[0] - q.barycentric[0]) <= no_length &&
-        std::abs(r.barycentric[1] - q.barycentric[1]) <= no_length &&
-        std::abs(r.barycentric[2] - q.barycentric[2]) <= no_length)
-      return true;
-  return false;
+  detail::append_segment(line, mesh, geometry, step.face, step.a, step.b);
 }
 
 bool before(const SurfacePoint& p, const SurfacePoint& q) {
@@ -95,8 +50,8 @@ SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<
   std::vector<SurfacePoint> at;
   std::vector<std::size_t> number;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const SurfacePoint p = checked(mesh, points[k], k);
-    if (!at.empty() && same_point(mesh, at.back(), p)) continue;
+    const SurfacePoint p = detail::checked_point(mesh, points[k], k);
+    if (!at.empty() && detail::same_point(mesh, at.back(), p)) continue;
     at.push_back(p);
     number.push_back(k);
   }
@@ -118,7 +73,7 @@ SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<
     for (const detail::Step& step : *steps) append(line, mesh, geometry, step);
   }
   if (line.segments.empty()) throw OptionError("points", "all at one place", "a stroke needs some length");
-  line.closed = at.size() > 2 && same_point(mesh, at.front(), at.back());
+  line.closed = at.size() > 2 && detail::same_point(mesh, at.front(), at.back());
   return line;
 }
 

@@ -15,6 +15,7 @@
 #include "src/base/array.h"
 #include "src/base/cancel.h"
 #include "src/mesh/position.h"
+#include "src/mesh/surface_points.h"
 
 namespace alcap::detail {
 namespace {
@@ -97,29 +98,6 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
 }
 
 }  // namespace
-
-std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& p) {
-  std::vector<SurfacePoint> all{p};
-  const auto zero = [&](Index c) { return p.barycentric[detail::at(c % 3)] == 0; };
-  for (Index c = 0; c < 3; ++c) {
-    if (zero(c + 1) && zero(c + 2)) {
-      const Index v = mesh.F()(p.face, c);
-      mesh.for_each_outgoing(v, [&](Index h) {
-        if (h / 3 != p.face) all.push_back(on_halfedge(h, 0));
-      });
-      return all;
-    }
-  }
-  for (Index c = 0; c < 3; ++c) {
-    const Index h = 3 * p.face + c, g = mesh.twin(h);
-    if (!zero(c + 2) || g == none) continue;
-    SurfacePoint q{g / 3, {}};
-    q.barycentric[detail::at(Mesh::next(g) % 3)] = p.barycentric[detail::at(c)];
-    q.barycentric[detail::at(g % 3)] = p.barycentric[detail::at(Mesh::next(h) % 3)];
-    all.push_back(q);
-  }
-  return all;
-}
 
 std::optional<std::vector<Step>> trace(const Mesh& mesh, const Positions<double>& V, const SurfacePoint& from,
                                        const SurfacePoint& to) {

@@ -21,8 +21,4 @@ struct Step {
 [[nodiscard]] std::optional<std::vector<Step>> trace(const Mesh& mesh, const Positions<double>& V,
                                                      const SurfacePoint& from, const SurfacePoint& to);
 
-/// Every face that holds the point, which lies on an edge or a vertex where coordinates are exactly zero, with its
-/// coordinates there. The point's own face comes first.
-[[nodiscard]] std::vector<SurfacePoint> representations(const Mesh& mesh, const SurfacePoint& p);
-
 }  // namespace alcap::detail

@@ -13,6 +13,7 @@
 #include "src/base/parallel.h"
 #include "src/design/eigen/pencil.h"
 #include "src/design/eigen/rows.h"
+#include "src/design/singularity_parts.h"
 #include "src/design/variational/rows.h"
 #include "src/field/component_blocks.h"
 
@@ -75,15 +76,19 @@ void append(detail::DesignRows& all, const detail::DesignRows& rows, double weig
   scaled(rows.along, all.along);
 }
 
-/// e^{-i turns orientation} P u (or Q u) of a target: real and positive when it is met.
+/// e^{-i turns orientation} P u (or Q u) of a target, or of one zero of several: real and positive when it is met.
 struct TargetFlux {
+  std::size_t number;  // of the target
+  Index face;
   std::array<Index, 3> vertex{};
   std::array<C, 3> coefficient{};
 
-  TargetFlux(const Mesh& mesh, const FirstOrderOperators& operators, int n, const SingularityTarget& target) {
-    const C turn = std::polar(1.0, -detail::target_turns(n, target.sign) * target.orientation);
+  TargetFlux(const Mesh& mesh, const FirstOrderOperators& operators, int n, std::size_t target_number,
+             const SingularityTarget& target, const detail::SingularityPart& zero)
+      : number(target_number), face(zero.face) {
+    const C turn = std::polar(1.0, -detail::target_turns(n, target) * target.orientation) * std::conj(zero.factor);
     for (std::size_t c = 0; c < 3; ++c) {
-      const Index at = 3 * target.face + static_cast<Index>(c);
+      const Index at = 3 * zero.face + static_cast<Index>(c);
       vertex[c] = mesh.F().data()[at];
       coefficient[c] = turn * (target.sign > 0 ? operators.p : operators.q)[at];
     }
@@ -97,11 +102,21 @@ struct TargetFlux {
   }
 };
 
-ControlReport judge(std::size_t number, const SingularityTarget& target, const TargetFlux& flux, int index, int n,
-                    const ComplexVectorX<double>& u) {
-  ControlReport report{.id = static_cast<ControlId>(number), .index = index};
-  report.error_degrees = std::abs(std::arg(flux.at(u))) / detail::target_turns(n, target.sign) * 180 / pi<double>;
-  report.met = index == target.sign && report.error_degrees <= target_met_degrees;
+/// What became of the target with these zeros.
+ControlReport judge(std::size_t number, const SingularityTarget& target, const std::vector<TargetFlux>& fluxes,
+                    const std::vector<int>& indices, int n, const ComplexVectorX<double>& u) {
+  ControlReport report{.id = static_cast<ControlId>(number)};
+  C value = 0;
+  bool all = true;
+  for (const TargetFlux& flux : fluxes) {
+    if (flux.number != number) continue;
+    const int index = indices[static_cast<std::size_t>(flux.face)];
+    report.index += index;
+    all = all && index == target.sign;
+    if (const C here = flux.at(u); here != C(0)) value += here / std::abs(here);
+  }
+  report.error_degrees = std::abs(std::arg(value)) / std::abs(detail::target_turns(n, target)) * 180 / pi<double>;
+  report.met = all && report.error_degrees <= target_met_degrees;
   return report;
 }
 
@@ -216,13 +231,17 @@ void ControlledPencil::add_targets() {
   // Area integrals: those S is made of, so that a lone target is met exactly.
   const FirstOrderOperators operators =
       first_order_operators(surface_, {.n = options_.n, .kind = OperatorKind::triangle});
-  for (const SingularityTarget& target : controls_.singularities) {
+  for (std::size_t k = 0; k < controls_.singularities.size(); ++k) {
+    const SingularityTarget& target = controls_.singularities[k];
     const std::size_t c = component(target.face);
-    const TargetFlux& flux = fluxes_.emplace_back(mesh_, operators, options_.n, target);
-    const double area = surface_.geometry().area(target.face);
-    flux.add_real_part(joint_[c], target.strength * std::sqrt(target_reward * areas_[c] / area), 1, local_);
-    flux.add_real_part(rows_[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local_);
-    sizes_[c] += target.strength * target.strength * target_reward * areas_[c];
+    for (const detail::SingularityPart& zero :
+         detail::singularity_parts(mesh_, surface_.geometry(), options_.n, target)) {
+      const TargetFlux& flux = fluxes_.emplace_back(mesh_, operators, options_.n, k, target, zero);
+      const double area = surface_.geometry().area(zero.face);
+      flux.add_real_part(joint_[c], target.strength * std::sqrt(target_reward * areas_[c] / area), 1, local_);
+      flux.add_real_part(rows_[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local_);
+      sizes_[c] += target.strength * target.strength * target_reward * areas_[c];
+    }
   }
 }
 
@@ -250,10 +269,8 @@ void ControlledPencil::solve(const StiffnessMass& matrices, EigenDesignResult& r
 
 void ControlledPencil::choose_signs(ComplexVectorX<double>& u) const {
   std::vector<double> along(areas_.size(), 0.0), flux(areas_.size(), 0.0);
-  for (std::size_t k = 0; k < fluxes_.size(); ++k) {
-    const SingularityTarget& target = controls_.singularities[k];
-    flux[component(target.face)] += target.strength * fluxes_[k].at(u).real();
-  }
+  for (const TargetFlux& zero : fluxes_)
+    flux[component(zero.face)] += controls_.singularities[zero.number].strength * zero.at(u).real();
   for (std::size_t k = 0; k < samples_.size(); ++k) {
     const EigenStroke& stroke = controls_.strokes[k];
     for (const detail::StrokeSample& sample : samples_[k])
@@ -270,11 +287,8 @@ void ControlledPencil::judge_controls(EigenDesignResult& result) const {
     result.strokes.push_back(judge(samples_[k], options_.n, areas_[component(controls_.strokes[k])], u));
   if (fluxes_.empty()) return;
   const std::vector<int> indices = face_indices(surface_, result.field);
-  for (std::size_t k = 0; k < fluxes_.size(); ++k) {
-    const SingularityTarget& target = controls_.singularities[k];
-    result.singularities.push_back(
-        judge(k, target, fluxes_[k], indices[static_cast<std::size_t>(target.face)], options_.n, u));
-  }
+  for (std::size_t k = 0; k < controls_.singularities.size(); ++k)
+    result.singularities.push_back(judge(k, controls_.singularities[k], fluxes_, indices, options_.n, u));
 }
 
 EigenDesignResult solved(const ConnectedSurface& surface, const EigenControls& controls,

@@ -8,6 +8,7 @@
 #include "alcap/design_file.h"
 #include "alcap/errors.h"
 #include "src/design/file/problem.h"
+#include "src/design/singularity_parts.h"
 
 namespace alcap {
 namespace {
@@ -77,10 +78,14 @@ void check(const std::string& path, const DesignSingularity& s, int n) {
   check_finite(path + "/angle", s.angle);
   if (s.relative_to) {
     check_direction(path + "/relative_to", *s.relative_to);
-    if (n == 1 && index_of(s.kind) > 0)
+    if (index_of(s.kind) * s.count == n)
       throw Problem{path + "/relative_to", text(*s.relative_to),
                     "the angle of a source, vortex or spiral is its swirl, which has no direction in space"};
   }
+  if (s.count < 1 || s.count > detail::largest_count)
+    throw Problem{path + "/count", std::to_string(s.count), "must be 1 to " + std::to_string(detail::largest_count)};
+  if (s.count > 1 && of_vectors)
+    throw Problem{path + "/count", std::to_string(s.count), "goes with source and saddle; " + kind + " has index 1"};
   check_positive(path + "/strength", s.strength);
   if (s.barycentric) {
     check_barycentric(path + "/pin", *s.barycentric);
@@ -134,10 +139,6 @@ void check_turn(const std::string& path, double turns, int n) {
     throw Problem{path, number_text(turns), "must be a multiple of 1/n = 1/" + std::to_string(n)};
 }
 
-void check_turns(const std::string& path, const std::vector<double>& turns, int n) {
-  for (std::size_t k = 0; k < turns.size(); ++k) check_turn(path + "/" + std::to_string(k), turns[k], n);
-}
-
 void check(const DesignGuidance& g, int n) {
   using Source = DesignGuidance::Source;
   if (g.source == Source::none) return;
@@ -180,6 +181,75 @@ void check_eigen(const DesignFile& design) {
 
 std::string at(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
 
+/// What goes with which kind of connection, and cones that are what it takes.
+void check_connection(const DesignConnection& c, int n) {
+  check_positive("/connection/detail", c.detail);
+  check_positive("/connection/tan_cap", c.tan_cap);
+  const bool trivial = c.kind == ConnectionKind::trivial, metric = c.kind == ConnectionKind::metric;
+  const auto needs = [](bool fits, const char* key, const std::string& value, const char* rule) {
+    if (!fits) throw Problem{std::string("/connection/") + key, value, rule};
+  };
+  const bool cones = !c.cones.empty() || !c.cones_at.empty();
+  const char* const flat = "goes with a trivial or metric connection";
+  needs(!cones || trivial || metric, "cones", std::to_string(c.cones.size() + c.cones_at.size()) + " cones", flat);
+  needs(c.holonomy.empty() || trivial || metric, "holonomy", std::to_string(c.holonomy.size()) + " values", flat);
+  needs(c.loops.empty() || trivial || metric, "loops", std::to_string(c.loops.size()) + " values", flat);
+  needs(!c.balance || trivial, "balance", "true", "goes with a trivial connection");
+  const bool target = !c.target.levi_civita();
+  needs(!target || metric, "target", "given", "goes with a metric connection");
+  needs(!target || !(cones || !c.holonomy.empty() || !c.loops.empty()), "target", "given",
+        "goes instead of cones, holonomy and loops");
+  // Of a metric connection any fraction of a turn will do.
+  const auto turn = [&](const std::string& path, double turns) {
+    if (metric)
+      check_finite(path, turns);
+    else
+      check_turn(path, turns, n);
+  };
+  for (std::size_t k = 0; k < c.holonomy.size(); ++k) turn(at("connection/holonomy", k), c.holonomy[k]);
+  for (std::size_t k = 0; k < c.loops.size(); ++k) turn(at("connection/loops", k), c.loops[k]);
+  for (std::size_t k = 0; k < c.cones.size(); ++k) {
+    if (c.cones[k].vertex < 0)
+      throw Problem{at("connection/cones", k) + "/vertex", std::to_string(c.cones[k].vertex), "must not be negative"};
+    turn(at("connection/cones", k) + "/index", c.cones[k].index);
+  }
+  for (std::size_t k = 0; k < c.cones_at.size(); ++k) {
+    const std::string path = at("connection/cones", c.cones.size() + k);
+    check_point(path + "/at", c.cones_at[k].at);
+    turn(path + "/index", c.cones_at[k].index);
+  }
+}
+
+/// Edits one after the other: what they name is there, and a split leaves something.
+void check_edits(const DesignFile& design) {
+  std::vector<int> index;  // of each singularity; 0: gone
+  for (const DesignSingularity& s : design.singularities) index.push_back(index_of(s.kind) * s.count);
+  for (std::size_t k = 0; k < design.edits.size(); ++k) {
+    const DesignEdit& e = design.edits[k];
+    const std::string path = at("edits", k), key = path + "/" + std::string(name(e.type));
+    const auto there = [&](std::size_t which) {
+      if (which >= index.size() || index[which] == 0)
+        throw Problem{key, std::to_string(which), "there is no such singularity"};
+    };
+    there(e.which);
+    if (e.type == DesignEdit::Type::merge) {
+      there(e.other);
+      if (e.other == e.which) throw Problem{key, std::to_string(e.other), "takes two different ones"};
+      index[e.which] += index[e.other];
+      index[e.other] = 0;
+      continue;
+    }
+    if (e.to < 0) throw Problem{path + "/to", std::to_string(e.to), "must not be negative"};
+    if (e.type == DesignEdit::Type::move) continue;
+    const int sign = index[e.which] > 0 ? 1 : -1;
+    if (e.count < 1 || e.count >= std::abs(index[e.which]))
+      throw Problem{path + "/count", std::to_string(e.count),
+                    "must be less than the " + std::to_string(std::abs(index[e.which])) + " n-ths that are there"};
+    index[e.which] -= sign * e.count;
+    index.push_back(sign * e.count);
+  }
+}
+
 void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
   const auto face = [&](const std::string& path, Index t) {
     if (t >= mesh.faces())
@@ -203,6 +273,8 @@ void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
     vertex(at("connection/cones", k) + "/vertex", design.connection.cones[k].vertex);
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     face(at("singularities", k) + "/face", design.singularities[k].face);
+  for (std::size_t k = 0; k < design.edits.size(); ++k)
+    if (design.edits[k].type != DesignEdit::Type::merge) face(at("edits", k) + "/to", design.edits[k].to);
   std::set<Index> fixed;
   for (std::size_t k = 0; k < design.fixed.size(); ++k) {
     vertex(at("fixed", k) + "/vertex", design.fixed[k].vertex);
@@ -230,34 +302,8 @@ void detail::check_design_values(const DesignFile& design) {
     throw Problem{"/mesh/vertices", std::to_string(design.mesh->vertices), "a mesh has at least three"};
   if (design.mesh && design.mesh->faces < 1)
     throw Problem{"/mesh/faces", std::to_string(design.mesh->faces), "a mesh has at least one"};
-  check_positive("/connection/detail", design.connection.detail);
-  const bool trivial = design.connection.kind == ConnectionKind::trivial;
+  check_connection(design.connection, design.n);
   if (!(design.s >= -1 && design.s <= 1)) throw Problem{"/s", number_text(design.s), "must be in [-1, 1]"};
-  const auto only_trivial = [&](const char* key, const std::string& value) {
-    if (!trivial) throw Problem{std::string("/connection/") + key, value, "goes with a trivial connection"};
-  };
-  if (!design.connection.cones.empty())
-    only_trivial("cones", std::to_string(design.connection.cones.size()) + " cones");
-  if (!design.connection.cones_at.empty())
-    only_trivial("cones", std::to_string(design.connection.cones_at.size()) + " cones");
-  if (design.connection.balance) only_trivial("balance", "true");
-  if (!design.connection.holonomy.empty())
-    only_trivial("holonomy", std::to_string(design.connection.holonomy.size()) + " values");
-  if (!design.connection.loops.empty())
-    only_trivial("loops", std::to_string(design.connection.loops.size()) + " values");
-  check_turns("/connection/holonomy", design.connection.holonomy, design.n);
-  check_turns("/connection/loops", design.connection.loops, design.n);
-  for (std::size_t k = 0; k < design.connection.cones.size(); ++k) {
-    const Cone& cone = design.connection.cones[k];
-    if (cone.vertex < 0)
-      throw Problem{at("connection/cones", k) + "/vertex", std::to_string(cone.vertex), "must not be negative"};
-    check_turn(at("connection/cones", k) + "/index", cone.index, design.n);
-  }
-  for (std::size_t k = 0; k < design.connection.cones_at.size(); ++k) {
-    const std::string path = at("connection/cones", design.connection.cones.size() + k);
-    check_point(path + "/at", design.connection.cones_at[k].at);
-    check_turn(path + "/index", design.connection.cones_at[k].index, design.n);
-  }
   check(design.guidance, design.n);
   if (design.boundary.wanted) check_positive("/boundary/weight", design.boundary.weight);
   if (design.method == DesignMethod::eigen) check_eigen(design);
@@ -265,6 +311,7 @@ void detail::check_design_values(const DesignFile& design) {
     check(at("singularities", k), design.singularities[k], design.n);
   for (std::size_t k = 0; k < design.fixed.size(); ++k) check(at("fixed", k), design.fixed[k]);
   for (std::size_t k = 0; k < design.strokes.size(); ++k) check(at("strokes", k), design.strokes[k]);
+  check_edits(design);
 }
 
 void check_design(const DesignFile& design) {

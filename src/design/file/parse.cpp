@@ -146,7 +146,7 @@ std::string read_name(const Node& node) {
 }
 
 DesignSingularity read_singularity(const Node& node) {
-  node.keys({"name", "face", "at", "kind", "angle", "relative_to", "strength", "pin"});
+  node.keys({"name", "face", "at", "kind", "angle", "relative_to", "count", "strength", "pin"});
   DesignSingularity s{.name = read_name(node)};
   read_place(node, "face", s.face, s.at);
   s.kind = pick(node.at("kind"), names_of<SingularityKind>());
@@ -156,6 +156,7 @@ DesignSingularity read_singularity(const Node& node) {
     node.fail("a spiral needs the key angle");
   }
   if (const auto x = node.find("relative_to")) s.relative_to = x->triple();
+  if (const auto x = node.find("count")) s.count = x->whole<int>();
   if (const auto x = node.find("strength")) s.strength = x->number();
   if (const auto x = node.find("pin")) {
     if (x->is_bool()) {
@@ -224,18 +225,57 @@ std::vector<double> read_turns(const Node& node) {
   return turns;
 }
 
+VectorX<double> read_array(const Node& node) {
+  const std::vector<Node> list = node.list();
+  VectorX<double> values(static_cast<Eigen::Index>(list.size()));
+  for (std::size_t k = 0; k < list.size(); ++k) values[static_cast<Eigen::Index>(k)] = list[k].number();
+  return values;
+}
+
+ConnectionTarget read_target(const Node& node) {
+  node.keys({"rotation", "adjustment", "vertex_curvature", "face_curvature"});
+  ConnectionTarget target;
+  int given = 0;
+  const auto take = [&](const char* key, VectorX<double>& values) {
+    const auto x = node.find(key);
+    if (!x) return;
+    values = read_array(*x);
+    ++given;
+  };
+  take("rotation", target.rotation);
+  take("adjustment", target.adjustment);
+  take("vertex_curvature", target.vertex_curvature);
+  take("face_curvature", target.face_curvature);
+  if (given != 1 || target.levi_civita())
+    node.fail(
+        "needs one of the keys rotation, adjustment, vertex_curvature and face_curvature, with a list of numbers");
+  return target;
+}
+
+void read_weights(const Node& node, DesignConnection& c) {
+  if (const auto x = node.find("detail")) c.detail = x->number();
+  if (const auto x = node.find("length_factor")) c.length_factor = pick(*x, names_of<LengthFactor>());
+  if (const auto x = node.find("tan_cap")) c.tan_cap = x->number();
+  if (const auto x = node.find("target")) c.target = read_target(*x);
+  if (const auto x = node.find("spread")) {
+    if (!x->is_bool()) x->fail("must be true or false");
+    c.spread = x->boolean();
+  }
+}
+
 DesignConnection read_connection(const Node& node) {
-  node.keys({"kind", "detail", "cones", "balance", "holonomy", "loops"});
+  node.keys(
+      {"kind", "detail", "length_factor", "tan_cap", "cones", "balance", "holonomy", "loops", "target", "spread"});
   DesignConnection c;
   constexpr auto named_choice = [](ConnectionChoice choice) { return std::pair{choice, name(choice)}; };
-  constexpr std::array names{named_choice({ConnectionKind::global}), named_choice({ConnectionKind::local}),
-                             named_choice({ConnectionKind::polar}),
-                             named_choice({ConnectionKind::polar, PolarCenter::barycenter}),
-                             named_choice({ConnectionKind::trivial})};
+  constexpr std::array names{
+      named_choice({ConnectionKind::global}),  named_choice({ConnectionKind::local}),
+      named_choice({ConnectionKind::polar}),   named_choice({ConnectionKind::polar, PolarCenter::barycenter}),
+      named_choice({ConnectionKind::trivial}), named_choice({ConnectionKind::metric})};
   const ConnectionChoice choice = pick(node.at("kind"), names);
   c.kind = choice.kind;
   c.center = choice.center;
-  if (const auto x = node.find("detail")) c.detail = x->number();
+  read_weights(node, c);
   if (const auto x = node.find("cones")) {
     for (const Node& cone : x->list()) {
       cone.keys({"vertex", "at", "index"});
@@ -281,9 +321,37 @@ DesignGuidance read_guidance(const Node& node, const std::filesystem::path& fold
   return g;
 }
 
+/// {"move": 0, "to": 12}, {"merge": [0, 1]} or {"split": 0, "to": 12, "count": 1}.
+DesignEdit read_edit(const Node& node) {
+  DesignEdit edit;
+  const auto move = node.find("move"), merge = node.find("merge"), split = node.find("split");
+  if (int(move.has_value()) + int(merge.has_value()) + int(split.has_value()) != 1)
+    node.fail("needs one of the keys move, merge and split");
+  const auto number = [](const Node& x) {
+    const auto k = x.whole<std::int64_t>();
+    if (k < 0) x.fail("must not be negative");
+    return static_cast<std::size_t>(k);
+  };
+  if (merge) {
+    node.keys({"merge"});
+    const std::vector<Node> both = merge->list();
+    if (both.size() != 2) merge->fail("must be a list of two singularities");
+    return {.type = DesignEdit::Type::merge, .which = number(both[0]), .other = number(both[1])};
+  }
+  edit.type = move ? DesignEdit::Type::move : DesignEdit::Type::split;
+  if (move)
+    node.keys({"move", "to"});
+  else
+    node.keys({"split", "to", "count"});
+  edit.which = number(move ? *move : *split);
+  edit.to = node.at("to").whole<Index>();
+  if (const auto x = node.find("count")) edit.count = x->whole<int>();
+  return edit;
+}
+
 DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
   node.keys({"$schema", "alcap_design", "comment", "mesh", "n", "method", "s", "connection", "guidance",
-             "singularities", "fixed", "strokes", "boundary"});
+             "singularities", "fixed", "strokes", "boundary", "edits"});
   if (const auto version = node.at("alcap_design"); version.whole<int>() != design_version)
     version.fail("this alcap reads version " + std::to_string(design_version));
   if (const auto x = node.find("$schema")) (void)x->text();
@@ -307,6 +375,8 @@ DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
     for (const Node& f : x->list()) design.fixed.push_back(read_fixed(f));
   if (const auto x = node.find("strokes"))
     for (const Node& s : x->list()) design.strokes.push_back(read_stroke(s));
+  if (const auto x = node.find("edits"))
+    for (const Node& e : x->list()) design.edits.push_back(read_edit(e));
   return design;
 }
 
@@ -336,6 +406,20 @@ Json parse_json(std::string_view text, const std::string& name) {
   }
 }
 
+/// The text of a file, and its name for messages.
+std::string read_text(const std::filesystem::path& path) {
+  const std::string name = path.string();
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) throw FileError(name + ": is a folder, not a design", name);
+  if (const auto size = std::filesystem::file_size(path, error); !error && size > largest)
+    throw FileError(name + ": is too large for a design", name);
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf()))
+    throw FileError(name + ": cannot be read, or is empty; give a design file (docs/design.md)", name);
+  return std::move(text).str();
+}
+
 }  // namespace
 
 DesignFile parse_design(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
@@ -350,16 +434,17 @@ DesignFile parse_design(std::string_view text, const std::string& name, const st
 }
 
 DesignFile read_design(const std::filesystem::path& path) {
+  return parse_design(read_text(path), path.string(), path.parent_path());
+}
+
+ConnectionTarget read_connection_target(const std::filesystem::path& path) {
   const std::string name = path.string();
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw FileError(name + ": is a folder, not a design", name);
-  if (const auto size = std::filesystem::file_size(path, error); !error && size > largest)
-    throw FileError(name + ": is too large for a design", name);
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
-    throw FileError(name + ": cannot be read, or is empty; give a design file (docs/design.md)", name);
-  return parse_design(text.view(), name, path.parent_path());
+  const Json json = parse_json(read_text(path), name);
+  try {
+    return read_target(Node(json, ""));
+  } catch (const Problem& p) {
+    throw FileError(name + ": " + p.path + " = " + p.value + ": " + p.rule, name);
+  }
 }
 
 }  // namespace alcap

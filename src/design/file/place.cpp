@@ -133,6 +133,7 @@ DesignFile place_design(const DesignFile& design, const Surface& surface) {
     }
     s.path.clear();
   }
+  detail::apply_edits(surface, placed);
   check_design(placed, mesh);  // two points may be nearest to one vertex
   return placed;
 }
@@ -141,12 +142,14 @@ ConnectionOptions connection_options(const DesignFile& design) {
   const DesignConnection& c = design.connection;
   return {.kind = c.kind,
           .polar = {.center = c.center},
-          .global = {.detail = c.detail},
+          .global = {.detail = c.detail, .length_factor = c.length_factor, .tan_cap = c.tan_cap},
           .cones = c.cones,
           .balance_cones = c.balance,
           .generator_holonomy = c.holonomy,
           .loop_index = c.loops,
-          .n = design.n};
+          .n = design.n,
+          .target = c.target,
+          .spread = c.spread};
 }
 
 std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface) {
@@ -162,6 +165,7 @@ std::vector<DesignControl> design_controls(const DesignFile& design, const Conne
     controls.push_back({at, detail::label(s),
                         SingularityTarget{.face = s.face,
                                           .sign = index_of(s.kind),
+                                          .count = s.count,
                                           .orientation = wrap(angle),
                                           .strength = s.strength,
                                           .pin = s.pin ? s.barycentric : std::nullopt}});

@@ -18,6 +18,9 @@ struct Problem {
 /// Throws Problem.
 void check_design_values(const DesignFile& design);
 
+/// Moves, merges and splits the singularities of a placed design, and takes the edits out.
+void apply_edits(const Surface& surface, DesignFile& design);
+
 /// The name of a control for messages: the user's, or what and where it is.
 [[nodiscard]] std::string label(const DesignSingularity& s);
 [[nodiscard]] std::string label(const DesignFixed& f);

@@ -28,6 +28,7 @@ Json json_of(const DesignSingularity& s) {
   json["kind"] = name(s.kind);
   if (s.angle != 0 || s.kind == SingularityKind::spiral) json["angle"] = s.angle;
   if (s.relative_to) json["relative_to"] = *s.relative_to;
+  if (s.count != 1) json["count"] = s.count;
   if (s.strength != 1) json["strength"] = s.strength;
   if (s.barycentric)
     json["pin"] = *s.barycentric;
@@ -71,13 +72,36 @@ Json json_of(const DesignStroke& s) {
 Json json_of(const DesignConnection& c) {
   Json json = Json::object();
   json["kind"] = name(ConnectionChoice{c.kind, c.center});
-  if (c.detail != 1) json["detail"] = c.detail;
+  const DesignConnection standard;
+  if (c.detail != standard.detail) json["detail"] = c.detail;
+  if (c.length_factor != standard.length_factor) json["length_factor"] = name(c.length_factor);
+  if (c.tan_cap != standard.tan_cap) json["tan_cap"] = c.tan_cap;
   for (const Cone& cone : c.cones) json["cones"].push_back({{"vertex", cone.vertex}, {"index", cone.index}});
   for (const DesignConeAt& cone : c.cones_at) json["cones"].push_back({{"at", cone.at}, {"index", cone.index}});
   if (c.balance) json["balance"] = true;
   if (!c.holonomy.empty()) json["holonomy"] = c.holonomy;
   if (!c.loops.empty()) json["loops"] = c.loops;
+  const auto array = [&](const char* key, const VectorX<double>& values) {
+    if (values.size() > 0) json["target"][key] = std::vector<double>(values.begin(), values.end());
+  };
+  array("rotation", c.target.rotation);
+  array("adjustment", c.target.adjustment);
+  array("vertex_curvature", c.target.vertex_curvature);
+  array("face_curvature", c.target.face_curvature);
+  if (!c.spread) json["spread"] = false;
   return json;
+}
+
+Json json_of(const DesignEdit& e) {
+  switch (e.type) {
+    case DesignEdit::Type::move:
+      return {{"move", e.which}, {"to", e.to}};
+    case DesignEdit::Type::merge:
+      return {{"merge", {e.which, e.other}}};
+    case DesignEdit::Type::split:
+      break;
+  }
+  return {{"split", e.which}, {"to", e.to}, {"count", e.count}};
 }
 
 template <class T>
@@ -116,6 +140,7 @@ std::string design_text(const DesignFile& design) {
     json["boundary"]["align"] = design.boundary.normal ? "normal" : "tangent";
     if (design.boundary.weight != 1) json["boundary"]["weight"] = design.boundary.weight;
   }
+  write_list(json, "edits", design.edits);
   // Texts from outside JSON may hold anything; what is not UTF-8 is replaced.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

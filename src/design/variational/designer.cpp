@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <string>
 #include <utility>
 
 #include "src/base/clock.h"
+#include "src/design/singularity_parts.h"
 #include "src/design/variational/state.h"
 
 namespace alcap {
@@ -27,7 +29,15 @@ constexpr std::size_t live_targets = 8;
 
 void Designer::State::touched(const ControlLoad& load) {
   soft_changed |= load.soft();
-  if (load.face != none) common.resize(0, 0);
+  if (load.target()) common.resize(0, 0);
+}
+
+const SingularityTarget& Designer::State::singularity(ControlId id) const {
+  const auto at = controls.find(id);
+  if (at == controls.end()) throw OptionError("id", static_cast<int>(id), "there is no such control");
+  const auto* target = std::get_if<SingularityTarget>(&at->second);
+  if (!target) throw OptionError("id", static_cast<int>(id), "this control is no singularity");
+  return *target;
 }
 
 void Designer::State::make_live(Prepared& p) {
@@ -74,11 +84,11 @@ void Designer::set(ControlId id, Control control) {
   };
   if (!std::equal(load.rows.begin(), load.rows.end(), p.load.rows.begin(), p.load.rows.end(), same)) p.forget_rows();
   s.soft_changed |= load.soft() || p.load.soft();
-  if (load.face != p.load.face || load.coefficient != p.load.coefficient) p.own.resize(0);
+  if (load.parts != p.load.parts) p.own.resize(0);
   if (p.live_since == 0) {
-    if (p.load.face != none) s.common.resize(0, 0);
-    if (load.face != none) s.make_live(p);
-  } else if (load.face == none) {
+    if (p.load.target()) s.common.resize(0, 0);
+    if (load.target()) s.make_live(p);
+  } else if (!load.target()) {
     p.live_since = 0;
   }
   p.load = std::move(load);
@@ -90,9 +100,46 @@ void Designer::remove(ControlId id) {
   const auto at = s.prepared.find(id);
   if (at == s.prepared.end()) throw OptionError("id", static_cast<int>(id), "there is no such control");
   s.soft_changed |= at->second.load.soft();
-  if (at->second.load.face != none && at->second.live_since == 0) s.common.resize(0, 0);
+  if (at->second.load.target() && at->second.live_since == 0) s.common.resize(0, 0);
   s.prepared.erase(at);
   s.controls.erase(id);
+}
+
+void Designer::move(ControlId id, Index face) {
+  const State& s = *state_;
+  set(id, controlled(s.options.control,
+                     [&] { return detail::moved(s.mesh, s.geometry, s.options.n, s.singularity(id), face); }));
+}
+
+std::optional<ControlId> Designer::merge(ControlId id, ControlId other) {
+  SingularityTarget sum = state_->singularity(id);
+  const SingularityTarget& gone = state_->singularity(other);
+  if (id == other) throw OptionError("other", static_cast<int>(other), "is the same control");
+  const int index = sum.sign * sum.count + gone.sign * gone.count;
+  if (index == 0) {
+    remove(id);
+    remove(other);
+    return std::nullopt;
+  }
+  sum.sign = index > 0 ? 1 : -1;
+  sum.count = std::abs(index);
+  set(id, sum);
+  remove(other);
+  return id;
+}
+
+ControlId Designer::split(ControlId id, Index face, int count) {
+  const State& s = *state_;
+  SingularityTarget rest = s.singularity(id);
+  if (count < 1 || count >= rest.count)
+    throw OptionError("count", count, "must be 1 to " + std::to_string(rest.count - 1) + ", less than the whole");
+  SingularityTarget part = rest;
+  part.count = count;
+  part = controlled(s.options.control, [&] { return detail::moved(s.mesh, s.geometry, s.options.n, part, face); });
+  rest.count -= count;
+  const ControlId added = add(part);
+  set(id, rest);
+  return added;
 }
 
 const std::map<ControlId, Control>& Designer::controls() const { return state_->controls; }

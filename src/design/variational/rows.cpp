@@ -10,6 +10,7 @@
 
 #include "src/connection/triangle_frame.h"
 #include "src/mesh/position.h"
+#include "src/design/singularity_parts.h"
 
 namespace alcap::detail {
 namespace {
@@ -45,6 +46,8 @@ void check_surface_point(const Mesh& mesh, const SurfacePoint& p, const char* na
 void check_target(const Mesh& mesh, const SingularityTarget& target) {
   check_surface_point(mesh, {target.face, target.pin.value_or(std::array<double, 3>{1, 0, 0})}, "face");
   if (target.sign != 1 && target.sign != -1) throw OptionError("sign", target.sign, "a target has index +1/n or -1/n");
+  if (target.count < 1 || target.count > largest_count)
+    throw OptionError("count", target.count, "must be 1 to " + std::to_string(largest_count));
   check_positive("strength", target.strength);
   if (!std::isfinite(target.orientation)) throw OptionError("orientation", target.orientation, "must be finite");
 }
@@ -70,12 +73,20 @@ ControlLoad ControlLoads::operator()(const SingularityTarget& target) const {
   check_target(mesh, target);
   // Turning the pattern by beta turns (d, c) by (n-1) beta, s by (n+1) beta; a swirl angle (n = 1) is (d, c)'s own.
   const double flux = target.strength * target_flux * 2 * pi<double> * std::sqrt(geometry.area(target.face));
-  ControlLoad out{
-      .face = target.face,
-      .density = std::polar(flux / geometry.area(target.face), target_turns(n, target.sign) * target.orientation)};
+  ControlLoad out{.density =
+                      std::polar(flux / geometry.area(target.face), target_turns(n, target) * target.orientation)};
   const ComplexVectorX<double>& coefficients = target.sign > 0 ? operators.p : operators.q;
-  for (Index c = 0; c < 3; ++c) out.coefficient[static_cast<std::size_t>(c)] = coefficients[3 * target.face + c];
-  if (target.pin) out.rows.push_back(point_row({target.face, *target.pin}));
+  for (const SingularityPart& zero : singularity_parts(mesh, geometry, n, target)) {
+    TargetPart part{.face = zero.face};
+    // All zeros of a target have the same flux.
+    const C factor = std::conj(zero.factor) * std::sqrt(geometry.area(target.face) / geometry.area(zero.face));
+    for (Index c = 0; c < 3; ++c)
+      part.coefficient[static_cast<std::size_t>(c)] = factor * coefficients[3 * zero.face + c];
+    out.parts.push_back(part);
+    if (target.pin)
+      out.rows.push_back(point_row(
+          {zero.face, zero.face == target.face ? *target.pin : std::array<double, 3>{1.0 / 3, 1.0 / 3, 1.0 / 3}}));
+  }
   return out;
 }
 

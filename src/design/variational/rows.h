@@ -32,13 +32,21 @@ struct ControlRow {
   }
 };
 
+/// One zero of a target: P u or Q u of its face, turned so that it takes the argument of the target's density.
+struct TargetPart {
+  Index face = none;
+  std::array<Complex<double>, 3> coefficient{};
+
+  bool operator==(const TargetPart&) const = default;
+};
+
 /// A control made ready: a target's load, rows otherwise (and for its pin). Rows are all soft or all exact.
 struct ControlLoad {
-  Index face = none;                             ///< of a target
-  Complex<double> density = 0;                   ///< its load is density conj(coefficient) at the face's corners
-  std::array<Complex<double>, 3> coefficient{};  ///< of P or Q
+  std::vector<TargetPart> parts = {};  ///< of a target
+  Complex<double> density = 0;         ///< its load is density conj(coefficient) at the corners of each part's face
   std::vector<ControlRow> rows = {};
 
+  [[nodiscard]] bool target() const { return !parts.empty(); }
   [[nodiscard]] bool soft() const { return !rows.empty() && rows.front().weight > 0; }
 };
 
@@ -66,12 +74,16 @@ struct ControlLoads {
   [[nodiscard]] ControlLoad footprint(const Stroke& stroke) const;
 };
 
-/// How a target is met: orientation times this many turns is the argument of P u (sign +1) or Q u (sign -1).
-[[nodiscard]] constexpr int target_turns(int n, int sign) { return sign > 0 ? (n == 1 ? 1 : n - 1) : n + 1; }
+/// How a target of an index (n-ths) is met: orientation times this many turns is the argument of c in u = c z^index,
+/// and so of P u or Q u.
+[[nodiscard]] constexpr int target_turns(int n, int index) { return index == n ? n : n - index; }
+[[nodiscard]] inline int target_turns(int n, const SingularityTarget& target) {
+  return target_turns(n, target.sign * target.count);
+}
 
 /// Throws OptionError for a face the mesh has not or coordinates outside it.
 void check_surface_point(const Mesh& mesh, const SurfacePoint& p, const char* name);
-/// Throws OptionError for a face, sign, strength or orientation that cannot be.
+/// Throws OptionError for a face, sign, count, strength or orientation that cannot be.
 void check_target(const Mesh& mesh, const SingularityTarget& target);
 
 }  // namespace alcap::detail

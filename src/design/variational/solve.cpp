@@ -73,7 +73,7 @@ MatrixX<C> Designer::State::response(const Prepared& a, const Prepared& b) {
 ComplexVectorX<double> Designer::State::common_load() const {
   ComplexVectorX<double> b = guidance;
   for (const auto& [id, p] : prepared) {
-    if (p.load.face != none && p.live_since == 0) add_target(p.load, p.load.density, b);
+    if (p.load.target() && p.live_since == 0) add_target(p.load, p.load.density, b);
     if (!folded || !p.load.soft()) continue;
     for (const ControlRow& row : p.load.rows)
       for (std::size_t c = 0; c < 3; ++c) b[row.vertex[c]] += row.weight * std::conj(row.coefficient[c]) * row.target;
@@ -187,12 +187,19 @@ ControlReport Designer::State::judge(ControlId id, const Control& control, const
   const ControlLoad& load = prepared.at(id).load;
   const double degrees = 180 / pi<double>;
   if (const auto* target = std::get_if<SingularityTarget>(&control)) {
-    report.index = face_index(mesh, connection, field, target->face);
     C value = 0;
-    for (Index c = 0; c < 3; ++c) value += load.coefficient[static_cast<std::size_t>(c)] * u[mesh.F()(target->face, c)];
-    const int turns = detail::target_turns(options.n, target->sign);
-    report.error_degrees = std::abs(wrap(std::arg(value) - turns * target->orientation)) / turns * degrees;
-    report.met = report.index == target->sign && report.error_degrees <= target_met_degrees;
+    bool all = true;
+    for (const detail::TargetPart& part : load.parts) {
+      const int index = face_index(mesh, connection, field, part.face);
+      report.index += index;
+      all = all && index == target->sign;
+      C here = 0;
+      for (Index c = 0; c < 3; ++c) here += part.coefficient[static_cast<std::size_t>(c)] * u[mesh.F()(part.face, c)];
+      if (here != C(0)) value += here / std::abs(here);
+    }
+    const int turns = detail::target_turns(options.n, *target);
+    report.error_degrees = std::abs(wrap(std::arg(value) - turns * target->orientation)) / std::abs(turns) * degrees;
+    report.met = all && report.error_degrees <= target_met_degrees;
   } else if (const auto* constraint = std::get_if<VertexConstraint>(&control)) {
     const C value = u[constraint->vertex];
     const double size = std::abs(constraint->value) + u.cwiseAbs().maxCoeff();

@@ -137,8 +137,9 @@ struct Designer::State {
   [[nodiscard]] static MatrixX<C> response(const Prepared& a, const Prepared& b);
   template <class Column>
   void add_target(const ControlLoad& load, C density, Column&& b) const {
-    for (Index c = 0; c < 3; ++c)
-      b[mesh.F()(load.face, c)] += std::conj(load.coefficient[static_cast<std::size_t>(c)]) * density;
+    for (const detail::TargetPart& part : load.parts)
+      for (Index c = 0; c < 3; ++c)
+        b[mesh.F()(part.face, c)] += std::conj(part.coefficient[static_cast<std::size_t>(c)]) * density;
   }
   // Right-hand side of guidance, folded strokes and the targets that are not live.
   [[nodiscard]] ComplexVectorX<double> common_load() const;
@@ -169,6 +170,8 @@ struct Designer::State {
   // A control has come, gone or changed.
   void touched(const ControlLoad& load);
   void make_live(Prepared& p);
+  // Throws OptionError when it is something else.
+  [[nodiscard]] const SingularityTarget& singularity(ControlId id) const;
 };
 
 }  // namespace alcap

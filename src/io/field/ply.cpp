@@ -10,6 +10,24 @@
 namespace alcap::detail {
 namespace {
 
+std::string info(const char* key, double value) {
+  return std::string("obj_info ") + key + " " + number_text(value) + "\n";
+}
+
+/// What connect() needs to make the connection again.
+std::string describe(const Connection& c) {
+  std::string text = "obj_info connection " + std::string(name(c.kind)) + "\n";
+  if (c.center != PolarCenter::incenter) text += "obj_info center " + std::string(name(c.center)) + "\n";
+  text += info("detail", c.options.detail);
+  text += "obj_info length_factor " + std::string(name(c.options.length_factor)) + "\n";
+  text += info("tan_cap", c.options.tan_cap);
+  for (const Cone& cone : c.cones) text += info(("cone " + std::to_string(cone.vertex)).c_str(), cone.index);
+  for (const double turns : c.generator_holonomy) text += info("holonomy", turns);
+  for (const double turns : c.loop_index) text += info("loop_index", turns);
+  if (c.to_target) text += "obj_info target lost\n";
+  return text;
+}
+
 std::string header(const FieldOutput& out) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text += std::string("comment n-vector field, written by alcap ") + version() + "\n";
@@ -19,7 +37,7 @@ std::string header(const FieldOutput& out) {
   text += "comment all of it is zero at vertices that no face uses\n";
   text += "obj_info alcap_field 1\n";
   text += "obj_info n " + std::to_string(out.field.n) + "\n";
-  text += "obj_info connection " + std::string(name(out.surface.connection().kind)) + "\n";
+  text += describe(out.surface.connection());
   text += "element vertex " + std::to_string(out.surface.mesh().vertices()) + "\n";
   for (const char* name :
        {"x", "y", "z", "nx", "ny", "nz", "axis_x", "axis_y", "axis_z", "u_re", "u_im", "d_x", "d_y", "d_z"}) {

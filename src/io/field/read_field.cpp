@@ -41,7 +41,60 @@ int read_number(const Source& source, std::string_view text, std::string_view ke
 
 ConnectionKind read_connection(const Source& source, std::string_view text) {
   if (const auto kind = from_name<ConnectionKind>(text)) return *kind;
-  fail_at(source, text.data(), "obj_info connection is " + quoted(text) + ", not polar, local, global or trivial");
+  fail_at(source, text.data(),
+          "obj_info connection is " + quoted(text) + ", not polar, local, global, trivial or metric");
+}
+
+double read_real(const Source& source, std::string_view text, std::string_view key) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
+    fail_at(source, text.data(), "obj_info " + std::string(key) + " must be a number, not " + quoted(text));
+  return value;
+}
+
+template <class E>
+E read_choice(const Source& source, std::string_view text, std::string_view key) {
+  if (const auto value = from_name<E>(text)) return *value;
+  fail_at(source, text.data(), "obj_info " + std::string(key) + " cannot be " + quoted(text));
+}
+
+Cone read_cone(const Source& source, std::string_view text) {
+  const std::size_t space = std::min(text.find(' '), text.size());
+  Cone cone;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + space, cone.vertex);
+  if (error != std::errc() || end != text.data() + space || space == text.size() || cone.vertex < 0)
+    fail_at(source, text.data(), "obj_info cone must be a vertex and an index, not " + quoted(text));
+  cone.index = read_real(source, text.substr(space + 1), "cone");
+  return cone;
+}
+
+// The lines that say how the connection was made; those that are not there keep their defaults.
+void read_how(const Source& source, std::string_view header, FieldFile& out) {
+  out.how.kind = out.connection;
+  out.how.n = out.field.n;
+  bool weights = false, target = false;
+  constexpr std::string_view start = "obj_info ";
+  for (std::size_t at = 0; at < header.size();) {
+    const std::size_t end = std::min(header.find_first_of("\r\n", at), header.size());
+    std::string_view line = header.substr(at, end - at);
+    at = end + 1;
+    if (!line.starts_with(start)) continue;
+    line.remove_prefix(start.size());
+    const std::size_t space = std::min(line.find(' '), line.size());
+    const std::string_view key = line.substr(0, space), text = line.substr(std::min(space + 1, line.size()));
+    if (key == "center") out.how.polar.center = read_choice<PolarCenter>(source, text, key);
+    if (key == "length_factor") out.how.global.length_factor = read_choice<LengthFactor>(source, text, key);
+    if (key == "tan_cap") out.how.global.tan_cap = read_real(source, text, key);
+    if (key == "cone") out.how.cones.push_back(read_cone(source, text));
+    if (key == "holonomy") out.how.generator_holonomy.push_back(read_real(source, text, key));
+    if (key == "loop_index") out.how.loop_index.push_back(read_real(source, text, key));
+    target = target || key == "target";
+    if (key != "detail") continue;
+    out.how.global.detail = read_real(source, text, key);
+    weights = true;
+  }
+  out.connection_known = weights && !target;
 }
 
 // Where the doubles of one vertex are.
@@ -80,6 +133,7 @@ FieldFile read(const Source& source, const std::filesystem::path& file) {
   }
   out.field.n = read_number(source, info(source, text, "n"), "n");
   out.connection = read_connection(source, info(source, text, "connection"));
+  read_how(source, text, out);
   if (header.encoding != PlyEncoding::little_endian || header.elements.empty() || header.elements[0].name != "vertex") {
     fail(source, "not laid out as write_field does: binary little endian, vertices first");
   }
