@@ -79,7 +79,7 @@ TEST_CASE("a target from a file, in field and in design") {
   CHECK(folder.run("field s.ply --target two.json").error_says("needs one of the keys"));
   const Json design = folder.run("design s.ply -n 2 --saddle 30 --target none.json --hold-curvature --json").json();
   CHECK(design["design"]["connection"]["spread"] == false);
-  CHECK(design["certificate"]["controls_met"] == true);
+  CHECK(design["controls"][0]["met"] == true);
 }
 
 TEST_CASE("weights of the connection are flags, and metric is the paper's") {
