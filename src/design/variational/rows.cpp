@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "src/connection/triangle_frame.h"
-#include "src/mesh/position.h"
 #include "src/design/singularity_parts.h"
+#include "src/mesh/position.h"
 
 namespace alcap::detail {
 namespace {
