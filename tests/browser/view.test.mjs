@@ -2,6 +2,7 @@
 //
 // view.test.mjs: the page of a finished field, opened from the disk without a network.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
@@ -49,6 +50,19 @@ test('colours have a legend, faces and singularities tell their numbers', async 
   await page.mouse.click(...box);
   assert.match(await page.textContent('.card'), /Face [\d,]+.*∂̄u/);
   assert.deepEqual(page.complaints, []);
+});
+
+test('a picture can be larger than the screen, and the screen stays as it is', async () => {
+  const before = await darkPixels(page);
+  await page.click('nav [title^="Save a picture"]');
+  assert.deepEqual(await page.locator('.exports .item').allTextContents(), ['1000 × 700 pixels', '2000 × 1400 pixels', '4000 × 2800 pixels']);
+  const saved = page.waitForEvent('download');
+  await page.click('.exports .item >> nth=1');
+  const png = readFileSync(await (await saved).path());
+  assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [2000, 1400]);
+  assert.ok(png.length > 100000);
+  assert.equal(await darkPixels(page), before);
+  assert.deepEqual(await page.evaluate(() => [alcap.stage.canvas.width, alcap.stage.canvas.height]), [1000, 700]);
 });
 
 test('alcap view makes the same page from the files', async () => {

@@ -51,11 +51,9 @@ export class Stage {
     this.ratio = Math.min(window.devicePixelRatio, 2);
     this.width = width;
     this.height = height;
-    this.renderer.setPixelRatio(this.ratio);
-    this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.aim();
-    for (const l of this.layers) l.resize?.(width, height, this.ratio);
+    this.draws(this.ratio);
     this.draw();
   }
 
@@ -69,6 +67,24 @@ export class Stage {
     this.camera.setViewOffset(this.width, this.height, free.x / 2, free.y / 2, this.width, this.height);
     this.free = { width: this.width - free.x, height: this.height - free.y };
     this.camera.updateProjectionMatrix();
+  }
+
+  /** What is on screen as a PNG, so many times as large. */
+  async picture(scale) {
+    const { width, height } = this;
+    const most = this.renderer.capabilities.maxTextureSize / Math.max(width, height);
+    this.draws(Math.min(this.ratio * scale, most));
+    this.renderer.render(this.scene, this.camera);
+    const blob = await new Promise((done) => this.canvas.toBlob(done, 'image/png'));
+    this.resize();
+    return blob;
+  }
+
+  /** So many pixels of the picture to one of the page. */
+  draws(ratio) {
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(this.width, this.height, false);
+    for (const l of this.layers) l.resize?.(this.width, this.height, ratio);
   }
 
   /** Looks at everything from a three-quarter view. */

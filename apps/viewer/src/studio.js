@@ -11,7 +11,7 @@ import { View } from './scene.js';
 import { Store } from './store.js';
 import { coneIndex, conesSection, controlsSection, fieldSection, kindsOf, showSection, titleOf } from './studio_panel.js';
 import { angleIn, barycentricIn, direction, pointIn } from './tangent.js';
-import { download, savePicture } from './view.js';
+import { makePictures } from './view.js';
 
 const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['B', 'Draw strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
 
@@ -54,15 +54,16 @@ class Studio {
     this.undoButton = h('button', { type: 'button', title: 'Undo (Ctrl+Z)', onclick: () => this.store.step('undo') }, 'Undo');
     this.redoButton = h('button', { type: 'button', title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.store.step('redo') }, 'Redo');
     this.exports = makeExports();
+    this.pictures = makePictures(stage, this.title);
     const file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, onchange: () => this.open(file) });
     const menu = h('nav', { class: 'tools', 'aria-label': 'Design' }, this.undoButton, this.redoButton, h('i', {}),
       h('button', { type: 'button', title: 'Open a design.json', onclick: () => file.click() }, 'Open'),
       h('button', { type: 'button', title: 'Save design.json', onclick: () => { location.href = address('/api/design'); } }, 'Save'),
       h('button', { type: 'button', title: 'Save the field for another program', onclick: () => this.exports.showModal() }, 'Export'),
-      h('button', { type: 'button', title: 'Save a picture (P)', class: 'wide', onclick: () => savePicture(stage, this.title) }, 'Picture'),
+      h('button', { type: 'button', title: 'Save a picture (P)', class: 'wide', onclick: () => this.pictures.choose() }, 'Picture'),
       h('button', { type: 'button', title: 'Keys (?)', class: 'wide', onclick: () => this.help.showModal() }, 'Keys'), file);
     this.card = h('div', { class: 'card', role: 'status', hidden: true });
-    ui.append(this.handles.layer, this.panel, this.tools, menu, this.card, this.help, this.exports);
+    ui.append(this.handles.layer, this.panel, this.tools, menu, this.card, this.help, this.exports, this.pictures);
     stage.resize();
     stage.frame(mesh.meta.diagonal);
     onClick(stage.canvas, (event) => this.click(event));
@@ -72,7 +73,7 @@ class Studio {
       v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), k: () => this.trivial() && this.choose('cone'),
       a: () => this.choose(kindsOf(this.design.n)[0][0]), z: () => this.choose(kindsOf(this.design.n).at(-1)[0]),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
-      Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => savePicture(stage, this.title), '?': () => this.help.showModal(),
+      Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => this.pictures.choose(), '?': () => this.help.showModal(),
     });
   }
 
@@ -332,5 +333,3 @@ function makeExports() {
 function inside(barycentric) {
   return barycentric.map((b) => 0.08 / 1.24 + Math.min(Math.max(b, 0), 1) / 1.24);
 }
-
-export { download };
