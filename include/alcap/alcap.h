@@ -27,6 +27,7 @@
 #include "alcap/frames.h"
 #include "alcap/generators.h"
 #include "alcap/geometry.h"
+#include "alcap/matrix_file.h"
 #include "alcap/memory.h"
 #include "alcap/mesh.h"
 #include "alcap/mesh_check.h"

@@ -17,6 +17,7 @@ set(layers
   "solvers/petsc           | petsc"
   "src/mesh                | mesh_check mesh arrays generators topology geometry surface surface_path shortest_path sharp_edges"
   "src/io/mesh             | mesh_io"
+  "src/io/matrix           | matrix_file"
   "src/connection          | connection cones frames connected_surface transport"
   "src/energy              | operators assembly energies"
   "src/field               | field smoothest singularities alignment"

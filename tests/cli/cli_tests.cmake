@@ -22,4 +22,7 @@ if(ALCAP_VTK_PYTHON)
   add_test(NAME cli_outputs_read_back
     COMMAND ${ALCAP_VTK_PYTHON} ${CMAKE_CURRENT_LIST_DIR}/read_outputs.py $<TARGET_FILE:alcap_cli>)
   set_tests_properties(cli_outputs_read_back PROPERTIES SKIP_RETURN_CODE 77)
+  add_test(NAME cli_matrices_read_back
+    COMMAND ${ALCAP_VTK_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/read_matrices.py $<TARGET_FILE:alcap_cli>)
+  set_tests_properties(cli_matrices_read_back PROPERTIES SKIP_RETURN_CODE 77)
 endif()

@@ -23,7 +23,7 @@ TEST_CASE("help and version go to stdout with exit code 0, and every subcommand 
   CHECK(version.out.find("solvers: ") != std::string::npos);
   CHECK(version.out.find("instruction set: ") != std::string::npos);
   CHECK(folder.run("--help").exit == 0);
-  for (const std::string command : {"field", "info", "ops", "tables"}) {
+  for (const std::string command : {"field", "info", "ops", "tables", "export-matrices"}) {
     CAPTURE(command);
     const CliResult help = folder.run(command + " --help");
     CHECK(help.exit == 0);

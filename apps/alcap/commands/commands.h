@@ -14,6 +14,7 @@
   X(info)                 \
   X(ops)                  \
   X(make)                 \
+  X(export_matrices)      \
   X(tables)
 
 namespace alcap::app {
