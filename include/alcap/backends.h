@@ -96,8 +96,9 @@ struct EigenProblem {
 };
 
 /// Solves `problem`. Of the result `u` is needed, of any length and phase. Of its report, `solver` (the registered name
-/// when empty), `iterations`, `next` (0: not known) and `message` are taken over; all else the library fills in. Called
-/// on any thread, several at once. Exceptions reach the caller of smallest_eigenpair().
+/// when empty), `iterations`, `next` (an upper bound of the second eigenvalue, which is kept where it is confirmed) and
+/// `message` are taken over; all else the library fills in. Called on any thread, several at once. Exceptions reach the
+/// caller of smallest_eigenpair().
 using EigenSolver = std::function<EigenResult(const EigenProblem& problem, const EigenOptions& options)>;
 
 /// Registers an eigensolver as EigenOptions::method. It should honour options.tolerance, solver, max_iterations, seed

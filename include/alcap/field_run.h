@@ -40,7 +40,8 @@ struct FieldRunOptions {
   int n = 4;                          // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
   double s = 0.0;                     // energy family in [-1, 1], see SmoothestOptions::s; 0 is the Dirichlet energy
   ConnectionOptions connection = {};  // globally optimal; its n is that of the run
-  EigenOptions eigen = {};            // tolerance and solver
+  EigenOptions eigen = {};            // tolerance, solver and proof
+  int modes = 1;                      // more: FieldRun::modes holds so many of the smoothest fields
   std::vector<Repair> repairs = {};   // none by default: a mesh is not changed unasked. Welding always comes first
   bool normalise = false;             // true: divide by |u| afterwards, an n-direction field
   int threads = 0;                    // 0: as many as the machine has; results do not depend on it
@@ -65,12 +66,17 @@ struct Remark {
 struct Certificate {
   bool connection_converged = false;  ///< the connection reached its tolerance
   bool eigen_converged = false;       ///< on every component
-  bool residual_small = false;        ///< recomputed residual <= tolerance, on every component
+  bool residual_small = false;        ///< both recomputed residuals <= tolerance, on every component
   bool index_sums_match = false;      ///< Poincare-Hopf, on every component
   bool finite = false;                ///< no value of the field is NaN or infinite
-  /// All of the above.
+  /// What is known about the eigenvalues being the smallest: the least on any component. Only `proven` says that no
+  /// smoother field exists.
+  Smallest smallest = Smallest::not_checked;
+  /// All of the above, and `smallest` is not refuted. Where it is not checked either, the field is an eigenvector, and
+  /// the smoothest one as far as the search went.
   [[nodiscard]] bool holds() const {
-    return connection_converged && eigen_converged && residual_small && index_sums_match && finite;
+    return connection_converged && eigen_converged && residual_small && index_sums_match && finite &&
+           smallest != Smallest::refuted;
   }
 };
 
@@ -88,6 +94,7 @@ struct FieldRun {
   ConnectedSurface surface;                ///< with the connection
   Field field;                             ///< the field
   std::vector<EigenReport> eigen;          ///< per component, in the order of topology
+  EigenModes modes;                        ///< FieldRunOptions::modes of them; none where that is 1
   std::vector<int> indices;                ///< #F, in n-ths
   std::vector<IndexSum> index_sums;        ///< per component
   std::vector<Singularity> singularities;  ///< in order of faces

@@ -13,4 +13,7 @@ namespace alcap {
 /// Its resident set now (VmRSS); 0 where the system does not tell.
 [[nodiscard]] std::int64_t memory_bytes();
 
+/// What the system could still give to processes, in bytes (MemAvailable); 0 where it does not tell.
+[[nodiscard]] std::int64_t available_memory_bytes();
+
 }  // namespace alcap

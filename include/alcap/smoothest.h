@@ -45,4 +45,10 @@ struct SmoothestResult {
                                               std::shared_ptr<const Frames> frames,
                                               const SmoothestOptions& options = {});
 
+/// The `count` smoothest fields: the smallest eigenpairs of the whole surface, components taken together, as columns of
+/// #V rows, zero at vertices that no face uses. Field{.n = options.n, .u = modes.U.col(k), .frames = surface.frames()}
+/// is the k-th. Throws as smoothest_field() and eigenpairs().
+[[nodiscard]] EigenModes smoothest_modes(const ConnectedSurface& surface, int count,
+                                         const SmoothestOptions& options = {});
+
 }  // namespace alcap

@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "alcap/conventions.h"
+#include "alcap/names.h"
 
 namespace alcap {
 
@@ -107,28 +108,70 @@ template <class Scalar>
 void hermitian_product(const SparseMatrix<std::complex<double>>& A, const std::complex<double>* x,
                        std::complex<double>* y);
 
+/// When it is proven that an eigenpair is the smallest one.
+enum class Prove {
+  automatic,  ///< where the proof costs less than the solve: up to 200,000 rows
+  always,     ///< wherever memory allows; beyond, an independent search takes its place
+  never,      ///< not at all
+};
+template <>
+struct NamesOf<Prove> {
+  static constexpr auto table =
+      detail::name_table<Prove>({{Prove::automatic, "auto"}, {Prove::always, "always"}, {Prove::never, "never"}});
+};
+
+/// What is known about whether an eigenpair is the smallest one.
+enum class Smallest {
+  not_checked,  ///< nothing: a small residual says that it is an eigenpair, not which
+  searched,     ///< no proof; a search from an independent random start found nothing lower
+  proven,       ///< no eigenvalue lies below EigenReport::lower_bound
+  refuted,      ///< a smaller one exists, and was not found
+};
+template <>
+struct NamesOf<Smallest> {
+  static constexpr auto table = detail::name_table<Smallest>({{Smallest::not_checked, "not checked"},
+                                                              {Smallest::searched, "searched"},
+                                                              {Smallest::proven, "proven"},
+                                                              {Smallest::refuted, "refuted"}});
+};
+
 /// How the smallest eigenpair is computed.
 struct EigenOptions {
-  /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked.
+  /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked; the same bound
+  /// holds for EigenReport::energy_residual.
   double tolerance = 1e-8;
   std::string solver = "auto";  // linear backend inside shift-invert; see linear_solvers()
   std::string method = "auto";  // eigensolver; see eigen_solvers(). Tiny problems are solved densely
   int max_iterations = 1000;    // operator applications before giving up
   std::uint64_t seed = 1;       // of the start vector
-  /// As SolverOptions::cancel; asked before every step of a method and in the linear solves inside.
+  /// A pair that turns out not to be the smallest is replaced by the smallest, which is then proven.
+  Prove prove_smallest = Prove::automatic;
+  /// As SolverOptions::cancel; asked before every step of a method, in the linear solves inside and in the proof.
   std::function<bool()> cancel = {};
 };
 
 /// What an eigensolve did.
 struct EigenReport {
   std::string solver;      ///< e.g. "shift-invert Lanczos, cholmod (amd)"
-  bool converged = false;  ///< whether the tolerance was reached
+  bool converged = false;  ///< whether the tolerance was reached, by both residuals
   int iterations = 0;      ///< operator applications (linear solves)
-  double lambda = 0;       ///< smallest eigenvalue
-  double next = 0;         ///< the next one, counted with multiplicity as far as found
-  double residual = 0;     ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
-  double seconds = 0;      ///< wall clock
-  std::string message;     ///< empty when all is well; says why when the tolerance was not reached
+  double lambda = 0;       ///< the eigenvalue; the smallest one as far as `smallest` says
+  /// The second smallest eigenvalue, counted with multiplicity, to 1e-3 of max(next, 1/area): nothing where that is not
+  /// established. It is wherever the smallest is proven and the second vector converged.
+  std::optional<double> next;
+  double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
+  /// r^H diag(S)^-1 r / max(lambda, 1e-6/area) with r = S u - lambda M u and |u|_M = 1, recomputed: to first order the
+  /// part of lambda that Jacobi steps would still remove. It weighs every vertex by its own stiffness, so that errors
+  /// at needles, whose areas make them vanish from |r|, do not hide.
+  double energy_residual = 0;
+  Smallest smallest = Smallest::not_checked;  ///< what is known about lambda being the smallest
+  /// Proven: no eigenvalue lies below this. At most 1e-6 of max(lambda, 1/area) below lambda, more where the tolerance
+  /// or rounding ask for it.
+  std::optional<double> lower_bound;
+  std::string smallest_note;  ///< why it was not checked, or what the check led to; empty when all is said
+  double seconds = 0;         ///< wall clock, the proof included
+  double proof_seconds = 0;   ///< of these, for `smallest`
+  std::string message;        ///< empty when all is well; says why when the tolerance was not reached
 };
 
 /// An eigenvector and how it was found.
@@ -147,5 +190,48 @@ struct EigenResult {
 [[nodiscard]] EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S,
                                              const SparseMatrix<std::complex<double>>& M, double area,
                                              const EigenOptions& options = {});
+
+/// The k smallest eigenpairs, in ascending order.
+struct EigenModes {
+  MatrixX<std::complex<double>> U;  ///< #V x k, U^H M U = 1, phases as of EigenResult::u
+  VectorX<double> lambda;           ///< eigenvalues, counted with multiplicity
+  VectorX<double> residual;         ///< of each, as EigenReport::residual
+  /// Eigenvalues that follow each other within 1e-6 of max(lambda, 1/area) have the same number, from 0: any vectors
+  /// that span the space of a cluster are right.
+  std::vector<int> cluster;
+  std::string solver;      ///< as EigenReport::solver
+  bool converged = false;  ///< every residual is within the tolerance
+  int iterations = 0;      ///< linear solves; 0 for dense ones
+  /// `proven`: as many eigenvalues as given lie below the last one, none is missing. `refuted`: some are.
+  Smallest smallest = Smallest::not_checked;
+  std::string message;  ///< empty when all is well
+  double seconds = 0;   ///< wall clock
+};
+
+/// The `count` smallest eigenpairs, 1 <= count <= rows, with every method but those registered from outside: "dense",
+/// "inverse-iteration" (subspace iteration), "lanczos", and "lobpcg", which stands for Lanczos with multigrid solves
+/// here. Completeness is proven as EigenOptions::prove_smallest says, by counting; eigenvalues found missing are
+/// searched for again. Errors as of smallest_eigenpair(); OptionError for a count out of range.
+[[nodiscard]] EigenModes eigenpairs(const SparseMatrix<std::complex<double>>& S,
+                                    const SparseMatrix<std::complex<double>>& M, double area, int count,
+                                    const EigenOptions& options = {});
+
+/// What inertia() counted.
+struct Inertia {
+  std::int64_t below = 0;  ///< eigenvalues below sigma, with multiplicity
+  double sigma = 0;        ///< as asked for, or next to it: where a pivot vanished it was moved by 1e-12 of it at most
+  /// 1 where S - sigma M is positive definite, more where entries grew. The count is that of a matrix whose entries
+  /// differ by a few rounding units times this, relative to the roots of the diagonal entries of S + |sigma| M.
+  double growth = 1;
+  double flops = 0;    ///< of the factorisation
+  double seconds = 0;  ///< wall clock
+};
+
+/// How many eigenvalues of S u = lambda M u lie below sigma, S Hermitian, M Hermitian positive definite: the negative
+/// pivots of S - sigma M = L D L^H (Sylvester's law of inertia). The factor is not kept: memory is a small part of what
+/// a direct solve takes. No pivoting: see Inertia::growth. Throws SolveError for matrices that do not fit each other or
+/// when memory runs out, OptionError for a sigma that is not finite, Cancelled by a RunControl around it.
+[[nodiscard]] Inertia inertia(const SparseMatrix<std::complex<double>>& S, const SparseMatrix<std::complex<double>>& M,
+                              double sigma);
 
 }  // namespace alcap

@@ -370,7 +370,8 @@ def factorise(A: Any, solver: str = 'auto', *, tolerance: float = 1e-10, max_ite
 
 def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float] = None, solver: Optional[str] = None,
                        method: Optional[str] = None, max_iterations: Optional[int] = None, seed: Optional[int] = None,
-                       progress: Progress = None, threads: int = 0) -> Tuple[Complexes, Dict[str, Any]]:
+                       prove_smallest: Optional[str] = None, progress: Progress = None,
+                       threads: int = 0) -> Tuple[Complexes, Dict[str, Any]]:
     """The smallest eigenpair of S u = lambda M u.
 
     Parameters
@@ -381,16 +382,47 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
         Of the surface: 1 / area is the scale of eigenvalues.
     tolerance : float
         Relative residual, 1e-8 by default.
+    prove_smallest : str
+        'auto', 'always' or 'never': whether it is proven that no smaller eigenvalue exists.
 
     Returns
     -------
     u : (#V,) array of complex128
         Of length 1 in M.
     report : dict
-        solver, converged, iterations, lambda, next, residual (recomputed), seconds, message.
+        solver, converged, iterations, lambda, next (None where it is not established), residual and energy_residual
+        (recomputed), smallest ('proven', 'searched', 'not checked' or 'refuted'), lower_bound, smallest_note, seconds,
+        message.
     """
-    options = _given(tolerance=tolerance, solver=solver, method=method, max_iterations=max_iterations, seed=seed)
+    options = _given(tolerance=tolerance, solver=solver, method=method, max_iterations=max_iterations, seed=seed,
+                     prove_smallest=prove_smallest)
     return _alcap.smallest_eigenpair(_parts(S), _parts(M), area, options, progress, threads)
+
+
+def eigenpairs(S: Any, M: Any, area: float, count: int, *, tolerance: Optional[float] = None,
+               solver: Optional[str] = None, method: Optional[str] = None, max_iterations: Optional[int] = None,
+               seed: Optional[int] = None, prove_smallest: Optional[str] = None, progress: Progress = None,
+               threads: int = 0) -> Tuple[npt.NDArray[Any], npt.NDArray[Any], Dict[str, Any]]:
+    """The `count` smallest eigenpairs of S u = lambda M u; parameters as of smallest_eigenpair().
+
+    Returns
+    -------
+    eigenvalues : (count,) array of float64
+        Ascending.
+    U : (#V, count) array of complex128
+        U^H M U = 1.
+    report : dict
+        solver, converged, iterations, residual (count,), cluster (eigenvalues of one cluster share a number), smallest
+        ('proven': counted, none is missing), seconds, message.
+    """
+    options = _given(tolerance=tolerance, solver=solver, method=method, max_iterations=max_iterations, seed=seed,
+                     prove_smallest=prove_smallest)
+    return _alcap.eigenpairs(_parts(S), _parts(M), area, count, options, progress, threads)
+
+
+def inertia(S: Any, M: Any, sigma: float, *, progress: Progress = None, threads: int = 0) -> int:
+    """How many eigenvalues of S u = lambda M u lie below sigma (Sylvester's law of inertia)."""
+    return _alcap.inertia(_parts(S), _parts(M), sigma, progress, threads)
 
 
 def register_linear_solver(name: str, factory: Callable[[Any], Any]) -> '_alcap.Registration':

@@ -12,6 +12,7 @@ _WORDS = (
     ('repair_orientation()', 'alcap.repair_orientation'),
     ('EigenOptions::solver', 'solver'),
     ('EigenOptions::tolerance', 'tolerance'),
+    ('EigenOptions::prove_smallest', 'prove_smallest'),
     ('GlobalOptions::detail', 'detail'),
     ('DesignRunOptions::solver', 'solver'),
 )

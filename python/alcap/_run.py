@@ -22,7 +22,7 @@ if TYPE_CHECKING:  # pragma: no cover
 
 _CONNECTION = ('connection', 'detail', 'length_factor', 'tan_cap', 'cones', 'balance_cones', 'generator_holonomy',
                'loop_index')
-_EIGEN = ('tolerance', 'solver', 'method', 'max_iterations', 'seed')
+_EIGEN = ('tolerance', 'solver', 'method', 'max_iterations', 'seed', 'prove_smallest')
 
 
 def _given(**options: Any) -> Dict[str, Any]:
@@ -108,12 +108,12 @@ class _RunBase:
 
     @property
     def holds(self) -> bool:
-        """Whether the certificate holds: everything in `report['certificate']` is true."""
+        """Whether the certificate holds: everything in `report['certificate']` is true, and no smaller eigenvalue is known."""
         return self._run.holds
 
     @property
     def eigen(self) -> List[Dict[str, Any]]:
-        """Per component: solver, converged, iterations, lambda, next, residual, seconds, message."""
+        """Per component: solver, converged, iterations, lambda, next, residual, smallest and more, see smallest_eigenpair()."""
         return self._run.eigen
 
     @property
@@ -300,7 +300,8 @@ def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: 
         The most threads; 0: all. Results do not depend on it.
     **options
         Of the connection: connection, detail, length_factor, tan_cap, cones, balance_cones, generator_holonomy,
-        loop_index, see connect(). Of the eigensolver: tolerance (1e-8), solver, method, max_iterations (1000), seed.
+        loop_index, see connect(). Of the eigensolver: tolerance (1e-8), solver, method, max_iterations (1000), seed,
+        prove_smallest.
 
     Returns
     -------

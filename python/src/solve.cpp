@@ -26,6 +26,11 @@ EigenOptions eigen_of(const py::dict& d) {
       out.max_iterations = value.cast<int>();
     } else if (name == "seed") {
       out.seed = value.cast<std::uint64_t>();
+    } else if (name == "prove_smallest") {
+      const auto text = value.cast<std::string>();
+      const std::optional<Prove> prove = from_name<Prove>(text);
+      if (!prove) throw OptionError(name, text, "must be 'auto', 'always' or 'never'");
+      out.prove_smallest = *prove;
     } else {
       throw OptionError(name, py::str(py::reinterpret_borrow<py::object>(value)).cast<std::string>(),
                         "is no option of an eigensolver");
@@ -40,8 +45,12 @@ py::dict eigen_dict(const EigenReport& r) {
   d["converged"] = r.converged;
   d["iterations"] = r.iterations;
   d["lambda"] = r.lambda;
-  d["next"] = r.next;
+  d["next"] = r.next ? py::object(py::float_(*r.next)) : py::none();
   d["residual"] = r.residual;
+  d["energy_residual"] = r.energy_residual;
+  d["smallest"] = std::string(name(r.smallest));
+  d["lower_bound"] = r.lower_bound ? py::object(py::float_(*r.lower_bound)) : py::none();
+  d["smallest_note"] = r.smallest_note;
   d["seconds"] = r.seconds;
   d["message"] = r.message;
   return d;
@@ -113,6 +122,28 @@ void bind_solve(py::module_& m) {
     const EigenOptions how = eigen_of(options);
     EigenResult r = watched(progress, threads, [&] { return smallest_eigenpair(s, mass, area, how); });
     return py::make_tuple(moved(std::move(r.u)), eigen_dict(r.report));
+  });
+  m.def("eigenpairs", [](const py::tuple& S, const py::tuple& M, double area, int count, const py::dict& options,
+                         const py::object& progress, int threads) {
+    const auto s = sparse_of(S, "S"), mass = sparse_of(M, "M");
+    const EigenOptions how = eigen_of(options);
+    EigenModes r = watched(progress, threads, [&] { return eigenpairs(s, mass, area, count, how); });
+    py::dict d;
+    d["solver"] = r.solver;
+    d["converged"] = r.converged;
+    d["iterations"] = r.iterations;
+    d["residual"] = moved(std::move(r.residual));
+    d["cluster"] = r.cluster;
+    d["smallest"] = std::string(name(r.smallest));
+    d["seconds"] = r.seconds;
+    d["message"] = r.message;
+    py::array_t<C, py::array::f_style> U({r.U.rows(), r.U.cols()});
+    Columns(U.mutable_data(), r.U.rows(), r.U.cols()) = r.U;
+    return py::make_tuple(moved(std::move(r.lambda)), U, d);
+  });
+  m.def("inertia", [](const py::tuple& S, const py::tuple& M, double sigma, const py::object& progress, int threads) {
+    const auto s = sparse_of(S, "S"), mass = sparse_of(M, "M");
+    return watched(progress, threads, [&] { return inertia(s, mass, sigma); }).below;
   });
 }
 

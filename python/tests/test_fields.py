@@ -27,6 +27,12 @@ def test_scipy_agrees_on_the_eigenvalue(cross):
     assert report['converged']
     assert report['lambda'] == pytest.approx(np.min(values), rel=1e-7)
     assert np.vdot(u, M @ u).real == pytest.approx(1, rel=1e-10)
+    assert report['smallest'] == 'proven'
+    assert alcap.inertia(S, M, report['lower_bound']) == 0
+    modes, U, said = alcap.eigenpairs(S, M, cross.surface.area, 2)
+    assert modes == pytest.approx(np.sort(values), rel=1e-6)
+    assert said['smallest'] == 'proven'
+    assert abs(U.conj().T @ (M @ U) - np.eye(2)).max() < 1e-8
 
 
 @pytest.mark.parametrize('n', [1, 4])

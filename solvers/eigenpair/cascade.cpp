@@ -279,6 +279,7 @@ class Cascade {
                                    .floor = floor_,
                                    .negative = negligible * floor_,
                                    .max_iterations = std::min(refine_limit, options_.max_iterations - steps),
+                                   .second = asks_for_proof(options_, pencil_.rows()),
                                    .cancel = options_.cancel};
     const VectorX<double> theta = block.values();
     Refined result = refine_first<K>({pencil_, hierarchy_, masses_[0]}, block.take(), theta, refinement);
@@ -336,7 +337,7 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   result.u = std::move(refined.u);
   result.report.iterations = refined.iterations;
   result.report.solver = "LOBPCG, multigrid";
-  result.report.next = refined.next / unit;
+  if (refined.next_good) result.report.next = refined.next / unit;
   conclude(problem, options, result);
   if (result.report.converged || refined.iterations >= options.max_iterations) return result;
   const std::string why = "LOBPCG stopped at a residual of " + rounded_text(result.report.residual) + " after " +

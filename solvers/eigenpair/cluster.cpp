@@ -27,6 +27,13 @@ class Cluster {
         options_(options) {}
 
   Refined run() {
+    Refined first = find_first();
+    if (options_.second && first.end == Refined::End::converged) find_second(first);
+    return first;
+  }
+
+ private:
+  Refined find_first() {
     Refined first = refine<K>(problem_, column(0), Y_, theta_, options_);
     if (first.end != Refined::End::stalled) return first;
     const double mate = first.lambda + mates_apart * std::max(first.lambda, options_.floor);
@@ -49,16 +56,39 @@ class Cluster {
       first.end = first.residual <= options_.tolerance ? Refined::End::converged : Refined::End::stalled;
     first.iterations = iterations_;
     first.next = theta_[1];
+    first.next_good = true;
     first.length = 1;
     first.u = std::move(members_.front());
     return first;
   }
 
- private:
+  /// Refines the second vector until its eigenvalue is right to about the square of second_residual.
+  void find_second(Refined& first) {
+    if (first.next_good) return;
+    members_.clear();
+    members_.push_back(std::move(first.u));
+    members_.front() /= first.length;
+    first.length = 1;
+    members_.push_back(column(1));
+    theta_[0] = first.lambda;
+    iterations_ = first.iterations;
+    options_.max_iterations += second_steps;
+    refine_member(1, second_steps, second_residual);
+    const auto [S, M] = products_of_members();
+    const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), 2, dependent);
+    first.next_good = ritz.values.size() == 2;
+    if (first.next_good) first.next = ritz.values[1];
+    first.iterations = iterations_;
+    first.u = std::move(members_.front());
+  }
+
   /// Three steps took the residuals of mates from 1e-2 to a few 1e-5 (jittered spheres of 328K triangles); the error of
   /// Ritz values is of the order of their squares. Another round goes on from there.
   static constexpr int member_steps = 3;
   static constexpr int most_rounds = 4;
+  /// Of the second eigenpair, whose eigenvalue is information: it is then right to 1e-4 or so.
+  static constexpr double second_residual = 3e-3;
+  static constexpr int second_steps = 10;
   /// Of the tolerance, apart from mates: the rest is for what mates leave.
   static constexpr double enough_outside = 0.3;
   /// Members that differ by less than 1e-5 of their length, of which this is the square, count as one.

@@ -67,11 +67,11 @@ class InverseIteration {
       result.report.iterations = solves;
       if (found && (next_known || --steps_left < 0)) break;
       if (solves >= options_.max_iterations) break;
-      if (idle >= patience && best <= rounding_floor(problem_, u, now.lambda)) break;
+      if (idle >= patience && best <= rounding_floor(problem_, u, now.lambda).residual) break;
       const Index room = std::min(widest, rows_) - Y.cols();
       if (!found && is_slow && room > 0) widen(Y, std::min(Y.cols(), room));
     }
-    result.report.next = second;
+    if (second > 0) result.report.next = second;
     result.report.solver = "inverse iteration, " + inverse_.solver->name();
     conclude(problem_, options_, result);
     return result;

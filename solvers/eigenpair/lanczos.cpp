@@ -47,7 +47,10 @@ class ComplexProblem final : public LanczosProblem {
 
   Eigen::Map<VectorX<double>> vector() override { return {reinterpret_cast<double*>(u_.data()), rows()}; }
 
-  double check() override { return check_pair(problem_, u_, Su_, Mu_).residual; }
+  double check() override {
+    const PairCheck check = check_pair(problem_, u_, Su_, Mu_);
+    return std::max(check.residual, check.energy);
+  }
 
   /// u = A^-1 M u with one step of iterative refinement: the error left is that of the residual's own rounding.
   int polish() override {
@@ -72,22 +75,28 @@ class ComplexProblem final : public LanczosProblem {
   ComplexVector u_, Su_, Mu_;
 };
 
-/// The second eigenvalue from the first few Ritz vectors, u and i u counted once.
-double second_eigenvalue(const EigenProblem& problem, const LanczosLoop& loop) {
+/// The second eigenvalue from the first few Ritz vectors, u and i u counted once; nothing where there is one only.
+std::optional<double> second_eigenvalue(const EigenProblem& problem, const LanczosLoop& loop) {
   const Eigen::Index k = loop.ritz().values.size();
   // Two beyond the second Ritz value, which may be a copy i u of the first.
   const Eigen::Index count = std::min<Eigen::Index>(k, k < 2 ? 1 : loop.second_place() + 2);
   MatrixX<complex<double>> Y(problem.S.rows(), count);
   loop.ritz_vectors(count, reinterpret_cast<double*>(Y.data()));
   const std::vector<double> values = ritz_values(problem, Y);
-  return values[std::min<std::size_t>(1, values.size() - 1)];
+  if (values.size() < 2) return std::nullopt;
+  return values[1];
 }
 
 }  // namespace
 
 EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options) {
+  return smallest_lanczos_below(problem, options, std::nullopt);
+}
+
+EigenResult smallest_lanczos_below(const EigenProblem& problem, const EigenOptions& options,
+                                   std::optional<double> above) {
   if (problem.S.rows() <= no_room) return smallest_dense(problem, options);
-  const ShiftInverted inverse = shift_invert(problem, options);
+  const ShiftInverted inverse = shift_invert(problem, options, above);
   ComplexProblem real_view(problem, inverse, start_vector(problem.S.rows(), options.seed));
   static_cast<void>(real_view.check());  // throws when M is not positive definite
   const VectorX<double> start = real_view.vector();

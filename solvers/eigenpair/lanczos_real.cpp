@@ -72,6 +72,7 @@ class RealProblem final : public LanczosProblem {
 void judge(EigenReport& report, const EigenOptions& options) {
   report.converged = report.residual <= options.tolerance;
   if (!report.converged) report.message = not_reached;
+  report.smallest_note = "the proof knows complex problems only";
 }
 
 }  // namespace
@@ -81,13 +82,11 @@ RealPair smallest_lanczos_real(const RealPencil& pencil, const EigenOptions& opt
   RealProblem problem(pencil);
   LanczosLoop loop(problem, options);
   loop.run(reinterpret_cast<const double*>(start.data()));
-  const VectorX<double>& theta = loop.ritz().values;
   EigenReport report;
   report.solver = "real shift-invert Lanczos, " + pencil.name;
   report.iterations = loop.solves();
   report.residual = problem.check();
   report.lambda = problem.lambda();
-  report.next = std::max(pencil.shift + 1 / (pencil.scale * theta[theta.size() - loop.second_place()]), report.lambda);
   judge(report, options);
   return {.u = std::move(problem.u()), .report = std::move(report)};
 }
@@ -101,7 +100,7 @@ RealPair smallest_dense_real(const SparseMatrix<double>& S, const SparseMatrix<d
   EigenReport& report = result.report;
   report.solver = "dense";
   report.lambda = pairs->values[0];
-  report.next = pairs->values[std::min<Index>(1, S.rows() - 1)];
+  if (S.rows() > 1) report.next = pairs->values[1];
   const Vector Mu = M * result.u;
   report.residual = (S * result.u - report.lambda * Mu).norm() / (std::max(report.lambda, 1 / scale) * Mu.norm());
   judge(report, options);

@@ -27,7 +27,7 @@ struct RealPair {
 };
 
 /// Shift-invert Lanczos with a checked residual |S u - lambda M u| / (max(lambda, 1/scale) |M u|). A repeated
-/// eigenvalue gives one of its vectors, and `next` may then skip its copies. Non-convergence is reported.
+/// eigenvalue gives one of its vectors. `next` is not established. Non-convergence is reported.
 [[nodiscard]] RealPair smallest_lanczos_real(const RealPencil& pencil, const EigenOptions& options);
 
 /// The same for matrices so small that a dense solve is the quickest.

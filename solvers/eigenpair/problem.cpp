@@ -22,6 +22,20 @@ constexpr int shift_attempts = 3;
 /// Of iterative backends: this part of the tolerance of the eigenvector, but nothing below what double precision gives.
 constexpr double inner_tolerance = 1e-2;
 constexpr double least_tolerance = 1e-13;
+/// Near an upper bound of the smallest eigenvalue: this part of it below, then further and further.
+constexpr double near_shifts[] = {0.02, 0.1, 0.4};
+/// Of 1/area: eigenvalues below are 0 as far as the energy residual is concerned.
+constexpr double energy_floor = 1e-6;
+
+/// r^H diag(S)^-1 r / max(lambda, energy_floor / area) for |r_j|^2 = squares(j).
+template <class Squares>
+double energy(const EigenProblem& problem, double lambda, Squares&& squares) {
+  const double sum = parallel_sum<double>(problem.S.cols(), [&](std::int64_t j) {
+    const double stiffness = problem.S.coeff(static_cast<Index>(j), static_cast<Index>(j)).real();
+    return stiffness > 0 ? squares(j) / stiffness : 0.0;
+  });
+  return sum / std::max(lambda, energy_floor / problem.area);
+}
 
 }  // namespace
 
@@ -36,26 +50,32 @@ PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVecto
   hermitian_product(problem.S, u.data(), Su.data());
   PairCheck check;
   check.lambda = u.dot(Su).real() / u.dot(Mu).real();
-  const double difference = (Su - check.lambda * Mu).norm();
-  check.residual = difference / (std::max(check.lambda, 1 / problem.area) * Mu.norm());
+  const auto squares = [&](std::int64_t j) { return std::norm(Su[j] - check.lambda * Mu[j]); };
+  check.residual =
+      std::sqrt(parallel_sum<double>(u.size(), squares)) / (std::max(check.lambda, 1 / problem.area) * Mu.norm());
+  check.energy = energy(problem, check.lambda, squares);
   return check;
 }
 
-double rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda) {
+PairCheck rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda) {
   const auto absolute_product = [&u](const HermitianMatrix& A, Eigen::Index j) {
     double sum = 0;
     for (HermitianMatrix::InnerIterator it(A, j); it; ++it) sum += std::abs(it.value()) * std::abs(u[it.row()]);
     return sum;
   };
-  const double squares = parallel_sum<double>(u.size(), [&](std::int64_t j) {
-    const double r = absolute_product(problem.S, j) + std::abs(lambda) * absolute_product(problem.M, j);
-    return r * r;
-  });
-  ComplexVector Mu(u.size());
-  hermitian_product(problem.M, u.data(), Mu.data());
   // A handful of rounded operations on each of these terms, in the product here and in the solves before.
   constexpr double margin = 8 * std::numeric_limits<double>::epsilon();
-  return margin * std::sqrt(squares) / (std::max(lambda, 1 / problem.area) * Mu.norm());
+  const auto squares = [&](std::int64_t j) {
+    const double r = margin * (absolute_product(problem.S, j) + std::abs(lambda) * absolute_product(problem.M, j));
+    return r * r;
+  };
+  ComplexVector Mu(u.size());
+  hermitian_product(problem.M, u.data(), Mu.data());
+  PairCheck floor{.lambda = lambda};
+  floor.residual =
+      std::sqrt(parallel_sum<double>(u.size(), squares)) / (std::max(lambda, 1 / problem.area) * Mu.norm());
+  floor.energy = energy(problem, lambda, squares);
+  return floor;
 }
 
 void conclude(const EigenProblem& problem, const EigenOptions& options, EigenResult& result) {
@@ -66,11 +86,13 @@ void conclude(const EigenProblem& problem, const EigenOptions& options, EigenRes
   const PairCheck check = check_pair(problem, result.u, Su, Mu);
   report.lambda = check.lambda;
   report.residual = check.residual;
-  report.next = std::max(report.next, report.lambda);
-  report.converged = check.residual <= options.tolerance;
+  report.energy_residual = check.energy;
+  if (report.next) report.next = std::max(*report.next, report.lambda);
+  report.converged = check.within(options.tolerance);
   if (report.converged) return;
-  const double floor = rounding_floor(problem, result.u, check.lambda);
-  report.converged = check.residual <= floor;
+  const PairCheck floor = rounding_floor(problem, result.u, check.lambda);
+  report.converged = check.residual <= std::max(floor.residual, options.tolerance) &&
+                     check.energy <= std::max(floor.energy, options.tolerance);
   report.message = report.converged ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
                                     : not_reached;
 }
@@ -119,23 +141,28 @@ HermitianMatrix shifted(const EigenProblem& problem, double sigma) {
   return A;
 }
 
-ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options) {
+ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options, std::optional<double> above) {
   const double inner = std::max(inner_tolerance * options.tolerance, least_tolerance);
   ShiftInverted result;
   result.solver =
       make_linear_solver<std::complex<double>>({.name = options.solver, .tolerance = inner, .cancel = options.cancel});
   if (problem.transport != nullptr) result.solver->set_transport(*problem.transport);
-  result.sigma = -relative_shift / problem.area;
-  for (int attempt = 1;; ++attempt) {
+  std::vector<double> shifts;
+  if (above && *above > 0)
+    for (const double part : near_shifts) shifts.push_back((1 - part) * *above);
+  for (double sigma = -relative_shift / problem.area; shifts.size() < shift_attempts + (above ? 3U : 0U);
+       sigma *= shift_growth)
+    shifts.push_back(sigma);
+  for (std::size_t attempt = 0;; ++attempt) {
+    result.sigma = shifts[attempt];
     result.A = shifted(problem, result.sigma);
-    if (attempt == 1) result.solver->analyse(result.A);
+    if (attempt == 0) result.solver->analyse(result.A);
     try {
       result.solver->factorise(result.A);
       return result;
     } catch (const SolveError&) {
-      if (attempt == shift_attempts) throw;
+      if (attempt + 1 == shifts.size()) throw;
     }
-    result.sigma *= shift_growth;
   }
 }
 
@@ -146,8 +173,12 @@ EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& opti
   EigenResult result;
   result.report.solver = "dense";
   result.u = pairs->vectors.col(0);
-  result.report.next = pairs->values[std::min<Eigen::Index>(1, problem.S.rows() - 1)];
+  if (problem.S.rows() > 1) result.report.next = pairs->values[1];
   conclude(problem, options, result);
+  // All eigenvalues are known.
+  EigenReport& report = result.report;
+  report.smallest = Smallest::proven;
+  report.lower_bound = report.lambda - (bound_margin + 4 * report.residual) * std::max(report.lambda, 1 / problem.area);
   return result;
 }
 

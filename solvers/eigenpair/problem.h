@@ -5,6 +5,8 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "alcap/backends.h"
@@ -19,14 +21,16 @@ using ComplexVector = ComplexVectorX<double>;
 struct PairCheck {
   double lambda = 0;    ///< Rayleigh quotient
   double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|)
+  double energy = 0;    ///< EigenReport::energy_residual
+  [[nodiscard]] bool within(double tolerance) const { return residual <= tolerance && energy <= tolerance; }
 };
 
 /// Scales u to |u|_M = 1 and computes its Rayleigh quotient and residual. `Su`, `Mu` are workspace and hold the
 /// products afterwards.
 [[nodiscard]] PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu);
 
-/// The residual below which rounding in S u and M u alone drowns everything: no solver can be asked for less.
-[[nodiscard]] double rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda);
+/// The residuals below which rounding in S u and M u alone drowns everything: no solver can be asked for less.
+[[nodiscard]] PairCheck rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda);
 
 /// EigenReport::message where the tolerance was not reached.
 inline constexpr const char* not_reached = "the residual asked for was not reached";
@@ -54,8 +58,10 @@ struct ShiftInverted {
   double sigma = 0;
   std::unique_ptr<LinearSolver<std::complex<double>>> solver;
 };
-/// By the linear backend that the options name. Throws SolveError when S is clearly indefinite.
-[[nodiscard]] ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options);
+/// By the linear backend that the options name. Throws SolveError when S is clearly indefinite. `above`: an upper bound
+/// of the smallest eigenvalue, for a shift near it: many fewer solves where eigenvalues lie close.
+[[nodiscard]] ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options,
+                                         std::optional<double> above = {});
 
 /// Up to here a dense solve is faster than one factorisation, and it has no special cases.
 inline constexpr Eigen::Index dense_eigen_rows = 48;
@@ -66,6 +72,23 @@ inline constexpr Eigen::Index no_room = 2;
 [[nodiscard]] EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& options);
 [[nodiscard]] EigenResult smallest_lanczos(const EigenProblem& problem, const EigenOptions& options);
+[[nodiscard]] EigenResult smallest_lanczos_below(const EigenProblem& problem, const EigenOptions& options,
+                                                 std::optional<double> above);
 [[nodiscard]] EigenResult smallest_inverse_iteration(const EigenProblem& problem, const EigenOptions& options);
+
+/// eigenpairs() by one of the methods above.
+[[nodiscard]] EigenModes find_modes(const EigenProblem& problem, const EigenOptions& options, const std::string& method,
+                                    int count);
+
+/// EigenReport::lower_bound lies this part of max(lambda, 1/area) below lambda, or more.
+inline constexpr double bound_margin = 1e-6;
+/// `next` is good to this part of max(next, 1/area).
+inline constexpr double next_accuracy = 1e-3;
+/// Whether the options ask for a proof of a problem of so many rows, and thus for a `next` worth proving.
+[[nodiscard]] bool asks_for_proof(const EigenOptions& options, Eigen::Index rows);
+/// Fills in `smallest`, `lower_bound` and `smallest_note`, and keeps `next` only where it is established. A pair that
+/// is refuted is replaced by the smallest one. `own`: `next` comes from a method of the library, which makes it an
+/// upper bound of the second eigenvalue.
+void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result);
 
 }  // namespace alcap::detail

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // registry.cpp: the table of eigensolvers, and the choice among them.
+#include <algorithm>
 #include <cmath>
 #include <new>
 #include <string>
@@ -28,6 +29,9 @@ detail::NameTable<EigenSolver>& methods() {
 /// n = 1, but in 1.4 times its time for nine-fold eigenvalues (round spheres, n = 4), where 1,600 rows break even.
 constexpr Eigen::Index multigrid_rows = 1000;
 
+/// Several eigenpairs of so few rows: densely, in a few milliseconds.
+constexpr Eigen::Index dense_modes_rows = 96;
+
 void validate(const EigenProblem& problem, const EigenOptions& options) {
   detail::require_square(problem.S);
   detail::require_square(problem.M);
@@ -53,6 +57,11 @@ std::string choose(const EigenOptions& options, Eigen::Index rows) {
   return rows <= detail::dense_eigen_rows ? "dense" : cascade ? "lobpcg" : "lanczos";
 }
 
+bool own_method(const std::string& name) {
+  constexpr const char* own[] = {"dense", "lanczos", "lobpcg", "inverse-iteration"};
+  return std::find(std::begin(own), std::end(own), name) != std::end(own);
+}
+
 /// What an eigensolver from outside returned, made true: see alcap/backends.h.
 EigenResult concluded(const std::string& name, const EigenProblem& problem, const EigenOptions& options,
                       EigenResult result) {
@@ -65,7 +74,9 @@ EigenResult concluded(const std::string& name, const EigenProblem& problem, cons
   }
   EigenReport& report = result.report;
   if (report.solver.empty()) report.solver = name;
-  if (!std::isfinite(report.next)) report.next = 0;
+  if (report.next && !std::isfinite(*report.next)) report.next.reset();
+  report.smallest = Smallest::not_checked;
+  report.lower_bound.reset();
   const std::string said = std::exchange(report.message, "");
   detail::conclude(problem, options, result);
   report.message = said + (said.empty() || report.message.empty() ? "" : "; ") + report.message;
@@ -94,8 +105,33 @@ EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S, cons
   detail::check_cancelled(options.cancel);
   try {
     EigenResult result = (*solve)(problem, options);
+    detail::prove_smallest(problem, options, own_method(choose(options, S.rows())), result);
     result.report.seconds = timer.seconds();
     return result;
+  } catch (const std::bad_alloc&) {
+    throw SolveError("eigensolver: out of memory");
+  }
+}
+
+EigenModes eigenpairs(const SparseMatrix<std::complex<double>>& S, const SparseMatrix<std::complex<double>>& M,
+                      double area, int count, const EigenOptions& options) {
+  const detail::Stopwatch timer;
+  static_cast<void>(methods().get("method", choose(options, S.rows())));
+  EigenProblem problem{.S = S, .M = M, .area = area};
+  validate(problem, options);
+  if (count < 1 || count > S.rows())
+    throw OptionError("count", count, "must be in [1, " + std::to_string(S.rows()) + "], the number of rows");
+  if (detail::same_pattern(S, M)) problem.transport = &M;
+  std::string method = options.method;
+  // A dense solve is the quickest where most eigenvalues are wanted, too.
+  if (method == "auto") method = S.rows() <= std::max<Eigen::Index>(dense_modes_rows, 2 * count) ? "dense" : "lanczos";
+  if (!own_method(method))
+    throw OptionError("method", method, "must be one of the library's own where several eigenpairs are asked for");
+  const detail::ControlScope scope(options.cancel);
+  try {
+    EigenModes modes = detail::find_modes(problem, options, method, count);
+    modes.seconds = timer.seconds();
+    return modes;
   } catch (const std::bad_alloc&) {
     throw SolveError("eigensolver: out of memory");
   }

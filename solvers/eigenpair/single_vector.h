@@ -21,14 +21,16 @@ struct RefineOptions {
   /// them is enough.
   bool member = false;
   double outside = 0;
+  bool second = false;                ///< refine_first(): the second eigenvalue is wanted as well
   std::function<bool()> cancel = {};  ///< see EigenOptions
 };
 
 struct Refined {
   ComplexVector u;
-  double lambda = 0;  ///< in the pencil's scale
-  double length = 0;  ///< of u, by M
-  double next = 0;    ///< second Ritz value, in the pencil's scale
+  double lambda = 0;       ///< in the pencil's scale
+  double length = 0;       ///< of u, by M
+  double next = 0;         ///< second Ritz value, in the pencil's scale
+  bool next_good = false;  ///< whether its vector was refined, or it is one of a cluster that was parted
   int iterations = 0;
   double residual = 1;
   /// `narrow`: the block was smaller than the cluster, nothing was refined.

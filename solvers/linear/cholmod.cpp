@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "solvers/linear/backends.h"
+#include "solvers/linear/multifrontal.h"
 #include "solvers/linear/stages.h"
 
 namespace alcap::detail {
@@ -71,6 +72,32 @@ std::mutex& metis_lock() {
   return lock;
 }
 
+/// A as CHOLMOD sees it: the values in place, indices widened, the upper triangle read and the lower one ignored.
+template <class Scalar>
+struct View {
+  explicit View(const SparseMatrix<Scalar>& A)
+      : p(static_cast<std::size_t>(A.cols()) + 1), nz(A.isCompressed() ? 0 : static_cast<std::size_t>(A.cols())) {
+    for (std::size_t j = 0; j < p.size(); ++j) p[j] = A.outerIndexPtr()[j];
+    for (std::size_t j = 0; j < nz.size(); ++j) nz[j] = A.innerNonZeroPtr()[j];
+    i.assign(A.innerIndexPtr(), A.innerIndexPtr() + p.back());
+    a.nrow = static_cast<std::size_t>(A.rows());
+    a.ncol = static_cast<std::size_t>(A.cols());
+    a.nzmax = static_cast<std::size_t>(p.back());
+    a.p = p.data();
+    a.i = i.data();
+    a.nz = A.isCompressed() ? nullptr : nz.data();
+    a.x = const_cast<Scalar*>(A.valuePtr());
+    a.stype = 1;
+    a.itype = CHOLMOD_LONG;
+    a.xtype = xtype<Scalar>;
+    a.dtype = CHOLMOD_DOUBLE;
+    a.sorted = 1;
+    a.packed = A.isCompressed() ? 1 : 0;
+  }
+  std::vector<SuiteSparse_long> p, i, nz;
+  cholmod_sparse a{};
+};
+
 template <class Scalar>
 class Cholmod final : public LinearSolver<Scalar> {
  public:
@@ -87,7 +114,7 @@ class Cholmod final : public LinearSolver<Scalar> {
     if (asked_ == Ordering::automatic) used_ = A.rows() > metis_above_rows ? Ordering::metis : Ordering::amd;
     common_.c.method[0].ordering = used_ == Ordering::metis ? CHOLMOD_METIS : CHOLMOD_AMD;
     guarded("CHOLMOD analysis", [&] {
-      View view(A);
+      View<Scalar> view(A);
       std::unique_lock<std::mutex> lock(metis_lock(), std::defer_lock);
       if (used_ == Ordering::metis) lock.lock();
       L_ = cholmod_l_analyze(&view.a, &common_.c);
@@ -100,7 +127,7 @@ class Cholmod final : public LinearSolver<Scalar> {
   void factorise(const SparseMatrix<Scalar>& A) override {
     stages_.begin_factorisation(A);
     guarded("CHOLMOD factorisation", [&] {
-      View view(A);
+      View<Scalar> view(A);
       cholmod_l_factorize(&view.a, L_, &common_.c);
     });
     common_.check("factorisation");
@@ -201,31 +228,6 @@ class Cholmod final : public LinearSolver<Scalar> {
   }
 
  private:
-  /// A as CHOLMOD sees it: the values in place, indices widened, the upper triangle read and the lower one ignored.
-  struct View {
-    explicit View(const SparseMatrix<Scalar>& A)
-        : p(static_cast<std::size_t>(A.cols()) + 1), nz(A.isCompressed() ? 0 : static_cast<std::size_t>(A.cols())) {
-      for (std::size_t j = 0; j < p.size(); ++j) p[j] = A.outerIndexPtr()[j];
-      for (std::size_t j = 0; j < nz.size(); ++j) nz[j] = A.innerNonZeroPtr()[j];
-      i.assign(A.innerIndexPtr(), A.innerIndexPtr() + p.back());
-      a.nrow = static_cast<std::size_t>(A.rows());
-      a.ncol = static_cast<std::size_t>(A.cols());
-      a.nzmax = static_cast<std::size_t>(p.back());
-      a.p = p.data();
-      a.i = i.data();
-      a.nz = A.isCompressed() ? nullptr : nz.data();
-      a.x = const_cast<Scalar*>(A.valuePtr());
-      a.stype = 1;
-      a.itype = CHOLMOD_LONG;
-      a.xtype = xtype<Scalar>;
-      a.dtype = CHOLMOD_DOUBLE;
-      a.sorted = 1;
-      a.packed = A.isCompressed() ? 1 : 0;
-    }
-    std::vector<SuiteSparse_long> p, i, nz;
-    cholmod_sparse a{};
-  };
-
   /// Frees what a solve allocates, also when it throws.
   struct Workspace {
     cholmod_common* c;
@@ -305,6 +307,17 @@ class Cholmod final : public LinearSolver<Scalar> {
 };
 
 }  // namespace
+
+std::vector<Index> metis_order(const SparseMatrix<std::complex<double>>& A) {
+  Common common;
+  const View<std::complex<double>> view(A);
+  std::vector<SuiteSparse_long> order(static_cast<std::size_t>(A.rows()));
+  const std::lock_guard<std::mutex> lock(metis_lock());
+  const int ordered = cholmod_l_metis(const_cast<cholmod_sparse*>(&view.a), nullptr, 0, 1, order.data(), &common.c);
+  common.check("ordering");
+  if (ordered == 0) throw SolveError("CHOLMOD ordering: failed");
+  return {order.begin(), order.end()};
+}
 
 template <class Scalar>
 SolverPtr<Scalar> make_cholmod(Ordering ordering, const SolverOptions& options) {

@@ -237,9 +237,11 @@ class Run {
       check(EPSGetBV(eps, &basis));
       check(BVCopyVec(basis, 0, best.get()));
     }
-    PetscScalar next = 0;
-    if (converged > 1) check(EPSGetEigenvalue(eps, 1, &next, nullptr));
-    report.next = next.real();
+    if (converged > 1) {
+      PetscScalar next = 0;
+      check(EPSGetEigenvalue(eps, 1, &next, nullptr));
+      report.next = next.real();
+    }
     return converged > 0;
   }
 

@@ -71,4 +71,26 @@ SmoothestResult smoothest_field(const Mesh& mesh, const Geometry& geometry, cons
   return result;
 }
 
+EigenModes smoothest_modes(const ConnectedSurface& surface, int count, const SmoothestOptions& options) {
+  if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
+  const detail::ControlScope scope(options.eigen.cancel);
+  const Mesh& mesh = surface.mesh();
+  const StiffnessMass matrices = energy_matrices(mesh, surface.geometry(), surface.connection(), options.n, options.s);
+  const double area = surface.geometry().total_area();
+  if (mesh.referenced_vertices() == mesh.vertices())
+    return eigenpairs(matrices.S, matrices.M, area, count, options.eigen);
+  std::vector<Index> used, local(static_cast<std::size_t>(mesh.vertices()), none);
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    if (!mesh.referenced(v)) continue;
+    local[static_cast<std::size_t>(v)] = static_cast<Index>(used.size());
+    used.push_back(v);
+  }
+  EigenModes modes = eigenpairs(diagonal_block(matrices.S, used, local), diagonal_block(matrices.M, used, local), area,
+                                count, options.eigen);
+  MatrixX<std::complex<double>> U = MatrixX<std::complex<double>>::Zero(mesh.vertices(), modes.U.cols());
+  for (std::size_t k = 0; k < used.size(); ++k) U.row(used[k]) = modes.U.row(static_cast<Eigen::Index>(k));
+  modes.U = std::move(U);
+  return modes;
+}
+
 }  // namespace alcap

@@ -79,16 +79,43 @@ void remark_slivers(const Surface& surface, std::vector<Remark>& remarks) {
   remarks.push_back(std::move(remark));
 }
 
+bool within_tolerance(const EigenReport& e, const FieldRunOptions& options) {
+  return e.residual <= options.eigen.tolerance && e.energy_residual <= options.eigen.tolerance;  // false for NaN
+}
+
+void remark_smallest(const FieldRun& run, std::vector<Remark>& remarks) {
+  Remark refuted{.code = "not_smallest"}, replaced{.code = "solved_again", .warning = false};
+  std::string said;
+  for (std::size_t c = 0; c < run.eigen.size(); ++c) {
+    const EigenReport& e = run.eigen[c];
+    const bool wrong = e.smallest == Smallest::refuted;
+    if (!wrong && (e.smallest == Smallest::not_checked || e.smallest_note.empty())) continue;
+    if (!wrong && e.smallest == Smallest::searched) continue;
+    Remark& remark = wrong ? refuted : replaced;
+    if (remark.count++ == 0 && !wrong) said = e.smallest_note;
+    if (remark.first.size() < most_named) remark.first.push_back(static_cast<Index>(c));
+  }
+  if (refuted.count > 0) {
+    refuted.message = "a smoother field exists on " + counted(refuted.count, "component", "components") +
+                      ", and was not found; please report this mesh";
+    remarks.push_back(std::move(refuted));
+  }
+  if (replaced.count > 0) {
+    replaced.message = said + (replaced.count > 1 ? "; so on " + std::to_string(replaced.count) + " components" : "");
+    remarks.push_back(std::move(replaced));
+  }
+}
+
 void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
   Remark failed{.code = "eigen_not_converged"}, degenerate{.code = "not_unique", .warning = false};
   std::string said;
   for (std::size_t c = 0; c < run.eigen.size(); ++c) {
     const EigenReport& e = run.eigen[c];
-    if (!e.converged || !(e.residual <= options.eigen.tolerance)) {
+    if (!e.converged || !within_tolerance(e, options)) {
       if (failed.count++ == 0) said = e.message;
       if (failed.first.size() < most_named) failed.first.push_back(static_cast<Index>(c));
     }
-    if (e.converged && std::isfinite(e.next) && e.next - e.lambda <= degenerate_gap * std::abs(e.next)) {
+    if (e.next && *e.next - e.lambda <= degenerate_gap * std::abs(*e.next)) {
       if (static_cast<std::size_t>(degenerate.count++) < most_named) degenerate.first.push_back(static_cast<Index>(c));
     }
   }
@@ -116,6 +143,7 @@ void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::ve
                                   "; small GlobalOptions::detail and slivers make it hard"});
   }
   remark_eigen(run, options, remarks);
+  remark_smallest(run, remarks);
   Remark sums{.code = "index_sum_mismatch"};
   for (std::size_t c = 0; c < run.index_sums.size(); ++c) {
     if (run.index_sums[c].sum == run.index_sums[c].expected) continue;
@@ -131,14 +159,21 @@ void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::ve
   }
 }
 
+/// From the worst to the best.
+Smallest least_known(const std::vector<EigenReport>& reports) {
+  for (const Smallest s : {Smallest::refuted, Smallest::not_checked, Smallest::searched})
+    if (std::any_of(reports.begin(), reports.end(), [s](const EigenReport& e) { return e.smallest == s; })) return s;
+  return reports.empty() ? Smallest::not_checked : Smallest::proven;
+}
+
 Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   Certificate certificate;
   certificate.connection_converged = run.connection().report.converged;
   certificate.eigen_converged =
       std::all_of(run.eigen.begin(), run.eigen.end(), [](const EigenReport& e) { return e.converged; });
-  certificate.residual_small = std::all_of(run.eigen.begin(), run.eigen.end(), [&](const EigenReport& e) {
-    return e.residual <= options.eigen.tolerance;  // false for NaN
-  });
+  certificate.residual_small = std::all_of(run.eigen.begin(), run.eigen.end(),
+                                           [&](const EigenReport& e) { return within_tolerance(e, options); });
+  certificate.smallest = least_known(run.eigen);
   certificate.index_sums_match =
       std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
   certificate.finite = parallel_reduce(
@@ -168,9 +203,12 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   SmoothestResult result = smoothest_field(run.surface, {.n = options.n, .s = options.s, .eigen = options.eigen});
   run.field = std::move(result.field);
   run.eigen = std::move(result.components);
+  if (options.modes > 1)
+    run.modes = smoothest_modes(run.surface, options.modes, {.n = options.n, .s = options.s, .eigen = options.eigen});
   run.times.assembly = result.assembly_seconds;
   run.times.eigen = result.eigen_seconds;
-  const double frames = std::max(0.0, watch.lap() - result.assembly_seconds - result.eigen_seconds);
+  run.times.eigen += run.modes.seconds;
+  const double frames = std::max(0.0, watch.lap() - result.assembly_seconds - run.times.eigen);
 
   say(options, "analysis");
   run.indices = face_indices(run.surface, run.field);
@@ -185,6 +223,7 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
 /// A run under the control asked for, of the surface that `make` returns.
 template <class Make>
 FieldRun run_on(const FieldRunOptions& options, Make&& make) {
+  if (options.modes < 1) throw OptionError("modes", options.modes, "must be at least 1");
   if (options.threads < 0 || options.threads > most_threads)
     throw OptionError("threads", options.threads, "must be 0 (all of the machine) or 1 to 4096");
   RunControl control = options.control;

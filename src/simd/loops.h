@@ -9,6 +9,7 @@
 
 #include "src/simd/block_loops.h"
 #include "src/simd/correction_loops.h"
+#include "src/simd/front_loops.h"
 
 namespace alcap::detail::simd {
 
@@ -41,6 +42,7 @@ struct Loops {
   GroupLoops group;
   BlockKernels block_1, block_4, block_8, block_16;  // block_1: only `rows`
   VectorKernels vector_4, vector_8, vector_16;
+  FrontLoops front;
 };
 
 }  // namespace alcap::detail::simd

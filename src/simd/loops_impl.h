@@ -28,6 +28,7 @@ using Pack = kernels::Pack<T, lanes, Tag>;
 #include "src/simd/block_impl.h"
 #include "src/simd/correction_impl.h"
 #include "src/simd/element_impl.h"
+#include "src/simd/front_impl.h"
 #include "src/simd/vector_impl.h"
 
 namespace alcap::detail::simd::ALCAP_SIMD {
@@ -46,6 +47,7 @@ const Loops& loops() {
       .vector_4 = vector_kernels<4>,
       .vector_8 = vector_kernels<8>,
       .vector_16 = vector_kernels<16>,
+      .front = front_loops,
   };
   return table;
 }

@@ -43,6 +43,37 @@ double alignment(const ComplexVectorX<double>& u, const ComplexVectorX<double>& 
 
 }  // namespace
 
+TEST_CASE("--prove, --no-prove and --modes: what is known about the smallest eigenvalue, and the next ones") {
+  const CliFolder folder;
+  folder.write("m.ply", icosphere(2));
+  Json r = folder.run("field m.ply -n 1 --prove --modes 8 -o out --formats ply --json").json();
+  CHECK(r["certificate"]["smallest"] == "proven");
+  CHECK(r["eigen"]["next"].get<double>() == doctest::Approx(r["eigen"]["lambda"].get<double>()).epsilon(1e-5));
+  CHECK(r["notes"].dump().find("not_unique") != std::string::npos);
+  CHECK(r["modes"]["smallest"] == "proven");
+  REQUIRE(r["modes"]["list"].size() == 8);
+  // On the sphere l = 1 three times, l = 2 five times.
+  for (int k = 0; k < 8; ++k) {
+    CHECK(r["modes"]["list"][k]["cluster"] == (k < 3 ? 0 : 1));
+    CHECK(r["modes"]["list"][k]["residual"].get<double>() <= 1e-8);
+    CHECK(folder.files().count("out/mode-" + std::to_string(k + 1) + ".ply") == 1);
+  }
+  CHECK(r["modes"]["list"][0]["lambda"].get<double>() ==
+        doctest::Approx(r["eigen"]["lambda"].get<double>()).epsilon(1e-9));
+
+  const CliResult text = folder.run("field m.ply -n 1 --modes 3");
+  CHECK(text.out.find("smallest      proven: no eigenvalue lies below") != std::string::npos);
+  CHECK(text.out.find("; complete: proven") != std::string::npos);
+
+  r = folder.run("field m.ply -n 1 --no-prove --json").json();
+  CHECK(r["ok"] == true);
+  CHECK(r["certificate"]["smallest"] == "not checked");
+  CHECK(r["eigen"]["next"].is_null());
+  CHECK(r["eigen"]["lower_bound"].is_null());
+  CHECK(!r["eigen"]["smallest_note"].get<std::string>().empty());
+  CHECK(!r.contains("modes"));
+}
+
 TEST_CASE("on closed and open surfaces the certificate holds and the indices sum to what topology demands") {
   for (const Good& mesh : good_meshes()) {
     for (const int n : {1, 2, 4}) {
@@ -63,7 +94,10 @@ TEST_CASE("on closed and open surfaces the certificate holds and the indices sum
       CHECK(r["mesh"]["boundary_loops"] == mesh.loops);
       CHECK(r["mesh"]["genus"] == mesh.genus);
       CHECK(r["eigen"]["residual"].get<double>() <= r["eigen"]["tolerance"].get<double>());
-      CHECK(r["eigen"]["lambda"].get<double>() <= r["eigen"]["next"].get<double>());
+      CHECK(r["eigen"]["energy_residual"].get<double>() <= r["eigen"]["tolerance"].get<double>());
+      if (!r["eigen"]["next"].is_null()) CHECK(r["eigen"]["lambda"].get<double>() <= r["eigen"]["next"].get<double>());
+      CHECK(r["certificate"]["smallest"] == "proven");
+      CHECK(r["eigen"]["lower_bound"].get<double>() <= r["eigen"]["lambda"].get<double>());
       CHECK(r["singularities"]["index_sum"] == r["singularities"]["expected"]);
       if (mesh.loops == 0) {
         CHECK(r["singularities"]["expected"] == n * mesh.euler);

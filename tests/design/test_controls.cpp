@@ -163,7 +163,7 @@ TEST_CASE(
     auto close = s.designer({.n = n, .t = (1 - 1e-5) * limit});
     close.set_guidance(u0);
     const ComplexVectorX<double> u = close.solve().field.u;
-    if (smooth.components[0].next > 1.1 * smooth.components[0].lambda) {
+    if (smooth.components[0].next.value_or(0) > 1.1 * smooth.components[0].lambda) {
       const auto M = s.matrices(n).M;
       const C overlap = smooth.field.u.dot(M * u);
       CHECK(std::norm(overlap) / u.dot(M * u).real() > 1 - 1e-4);

@@ -70,7 +70,7 @@ TEST_CASE("without strokes all paths give the smoothest field, on any connection
           const EigenReport& b = plain.components[c];
           CHECK(a.converged);
           CHECK(std::abs(a.lambda - b.lambda) <= 1e-8 * (b.lambda + 1 / s->geometry.total_area()));
-          if (plain.components.size() == 1 && b.next > 1.02 * b.lambda + 1e-3) {
+          if (plain.components.size() == 1 && b.next.value_or(0) > 1.02 * b.lambda + 1e-3) {
             CAPTURE(n);
             CHECK(apart(result.field.u, plain.field.u) < 1e-6);
           }
@@ -178,7 +178,6 @@ TEST_CASE("a circle on a flat disk makes the field turn with it, and a straight 
     CHECK(parallel.strokes[0].largest_degrees < 1e-3);
     CHECK(std::abs(parallel.components[0].lambda) < 1e-10);
     CHECK(parallel.strokes[0].magnitude == doctest::Approx(1));
-    CHECK(parallel.components[0].next > 1e-4);
     // Multigrid learns only when it solves that the plain problem is singular.
     const auto iterative =
         s.design({{straight, 0.1}}, {.n = n, .eigen = {.solver = "multigrid"}, .path = EigenPath::low_rank});

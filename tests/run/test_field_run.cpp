@@ -8,6 +8,7 @@
 #include "alcap/field_run.h"
 #include "src/base/parallel.h"
 #include "tests/io/output_fixture.h"
+#include "tests/support/mesh_helpers.h"
 
 using namespace alcap;
 using namespace alcap::test;
@@ -109,4 +110,26 @@ TEST_CASE("each file of a run appears with all the others or not at all") {
   CHECK(folder.names().empty());
   CHECK(write_field(output, std::vector<fs::path>{good, last}).size() == 2);
   CHECK(folder.names() == std::set<std::string>{"good.ply", "last.rosy"});
+}
+
+TEST_CASE("a run says whether its field is the smoothest one, and replaces one that is not") {
+  const MeshData scan = noisy_scan(5, 0.5, 1);
+  const FieldRun proven = run_field(scan.V, scan.F, {.n = 8});
+  CHECK(proven.certificate.smallest == Smallest::proven);
+  CHECK(proven.certificate.holds());
+  CHECK(proven.eigen[0].lambda == doctest::Approx(352.443).epsilon(1e-5));
+  const FieldRun unproven = run_field(scan.V, scan.F, {.n = 8, .eigen = {.prove_smallest = Prove::never}});
+  CHECK(unproven.certificate.smallest == Smallest::not_checked);
+  CHECK(unproven.certificate.holds());
+
+  // Of several components the least that is known; modes of all of them together, in ascending order.
+  const MeshData pieces = with_unreferenced(together(icosphere(2), bumpy_sphere(3, 0.3, 5)));
+  const FieldRun run = run_field(pieces.V, pieces.F, {.n = 2, .modes = 7});
+  CHECK(run.certificate.smallest == Smallest::proven);
+  CHECK(run.modes.smallest == Smallest::proven);
+  REQUIRE(run.modes.lambda.size() == 7);
+  const double least = std::min(run.eigen[0].lambda, run.eigen[1].lambda);
+  CHECK(run.modes.lambda[0] == doctest::Approx(least).epsilon(1e-8));
+  CHECK(run.modes.U.rows() == pieces.V.rows());
+  CHECK_THROWS_AS(static_cast<void>(run_field(scan.V, scan.F, {.modes = 0})), OptionError);
 }

@@ -79,6 +79,7 @@ Json line_of(const FieldRun& run, double seconds) {
           {"components", run.topology().components.size()},
           {"lambda", number(lambda)},
           {"residual", number(residual)},
+          {"smallest", name(run.certificate.smallest)},
           {"singularities", run.singularities.size()},
           {"seconds", seconds},
           {"warnings", std::move(warnings)}};

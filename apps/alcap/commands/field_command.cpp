@@ -56,6 +56,31 @@ std::string phase_text(std::string_view phase, std::int64_t faces) {
   return fmt::format("{} ({} faces)", found == words.end() ? std::string(phase) : found->second, grouped(faces));
 }
 
+/// What is known about the field being the smoothest.
+std::string smallest_text(const Json& report) {
+  const auto word = report["certificate"]["smallest"].get<std::string>();
+  const bool alone = report["components"].size() == 1;
+  const Json& eigen = report["eigen"];
+  if (word == "proven")
+    return alone ? fmt::format("proven: no eigenvalue lies below {:.7g}", eigen["lower_bound"].get<double>())
+                 : "proven on every component";
+  const auto note = eigen["smallest_note"].get<std::string>();
+  return word + (note.empty() || !alone ? "" : fmt::format(" ({})", note));
+}
+
+/// Clusters in braces.
+std::string modes_text(const Json& modes) {
+  std::string text;
+  const Json& list = modes["list"];
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const bool with_last = k > 0 && list[k - 1]["cluster"] == list[k]["cluster"];
+    const bool with_next = k + 1 < list.size() && list[k + 1]["cluster"] == list[k]["cluster"];
+    text += fmt::format("{}{}{}{}", k == 0 ? "" : ", ", with_next && !with_last ? "{" : "",
+                        short_text(list[k]["lambda"]), with_last && !with_next ? "}" : "");
+  }
+  return text + fmt::format("; complete: {}", modes["smallest"].get<std::string>());
+}
+
 std::string summary(const FieldOptions& options, const Json& report) {
   const Json &mesh = report["mesh"], &connection = report["connection"], &eigen = report["eigen"];
   const Json &singular = report["singularities"], &times = report["times"];
@@ -69,9 +94,11 @@ std::string summary(const FieldOptions& options, const Json& report) {
   line("connection",
        fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
                    short_text(connection["D_T"]), short_text(connection["D_E"]), count(connection["iterations"])));
-  line("field",
-       fmt::format("n = {}, eigenvalue {} (next {}), residual {}, {}", n, short_text(eigen["lambda"]),
-                   short_text(eigen["next"]), short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
+  const std::string next = eigen["next"].is_null() ? "" : fmt::format(" (next {})", short_text(eigen["next"]));
+  line("field", fmt::format("n = {}, eigenvalue {}{}, residual {}, {}", n, short_text(eigen["lambda"]), next,
+                            short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
+  line("smallest", smallest_text(report));
+  if (report.contains("modes")) line("modes", modes_text(report["modes"]));
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
                                     turns_text(singular["index_sum"].get<std::int64_t>(), n),
@@ -99,6 +126,24 @@ FieldRun run_on(FieldOptions& options, MeshFile& file) {
   return run;
 }
 
+/// mode-1.EXT ... for every format asked for, numbered as in the report; the names of the files.
+std::vector<std::string> write_modes(const FieldOptions& options, const FieldRun& run,
+                                     const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (Eigen::Index k = 0; k < run.modes.U.cols(); ++k) {
+    Field field{.n = run.field.n, .u = run.modes.U.col(k), .frames = run.field.frames};
+    const std::vector<Singularity> singularities =
+        find_singularities(run.surface, field, face_indices(run.surface, field));
+    if (options.run.normalise) field = normalised(std::move(field));
+    std::vector<std::filesystem::path> paths;
+    for (const std::string& format : chosen_formats(options.files))
+      paths.push_back(folder / fmt::format("mode-{}.{}", k + 1, format));
+    for (const auto& path : write_field({run.surface, field, singularities}, paths))
+      names.push_back(path.filename().string());
+  }
+  return names;
+}
+
 Outcome run(FieldOptions options, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
@@ -117,8 +162,8 @@ Outcome run(FieldOptions options, Progress& progress) {
   const detail::Stopwatch writing;
   const FieldOutput output = output_of(result);
   Json report = field_report(options.mesh.path, file, result, options.run);
-  const auto no_others = [](const std::filesystem::path&) { return std::vector<std::string>{}; };
-  write_files(plan, options.files, output, no_others, [&](const std::vector<std::string>& files) -> const Json& {
+  const auto modes = [&](const std::filesystem::path& folder) { return write_modes(options, result, folder); };
+  write_files(plan, options.files, output, modes, [&](const std::vector<std::string>& files) -> const Json& {
     times.write = writing.seconds();
     times.total = total.seconds();
     report["times"] = times_json(result.times, times);
@@ -174,6 +219,13 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
   add_show_options(app, options->show);
+  app.add_option(
+         "--modes", options->run.modes,
+         "Also find the K smoothest fields: listed in the report, and mode-1 ... mode-K in a folder given by -o")
+      ->type_name("K")
+      ->capture_default_str()
+      ->check(cli::Range(1, 1000))
+      ->group("Solver");
   return [options](const Common& common, Progress& progress) {
     if (!options->batch.list.empty()) return run_batch_of(*options, common);
     if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");

@@ -256,6 +256,12 @@ void add_eigen_options(cli::App& app, EigenOptions& options) {
       ->capture_default_str()
       ->check(cli::PositiveNumber)
       ->group("Solver");
+  app.add_flag_function(
+         "--prove,!--no-prove",
+         [&options](std::int64_t count) { options.prove_smallest = count > 0 ? Prove::always : Prove::never; },
+         "Prove that no smaller eigenvalue exists, whatever the size, or do not; without either, where the proof "
+         "costs less than the solve")
+      ->group("Solver");
 }
 
 }  // namespace alcap::app

@@ -17,6 +17,7 @@ constexpr auto words = std::to_array<Row>({
     {"repair_orientation()", "--repair orient"},
     {"EigenOptions::solver", "--solver"},
     {"EigenOptions::tolerance", "--tolerance"},
+    {"EigenOptions::prove_smallest", "--prove"},
     {"GlobalOptions::detail", "--detail"},
     {"DesignRunOptions::solver", "--solver"},
 });
@@ -28,6 +29,8 @@ constexpr auto fields = std::to_array<Row>({
     {"cones", "--cone"},
     {"detail", "--detail"},
     {"tolerance", "--tolerance"},
+    {"modes", "--modes"},
+    {"count", "--modes"},
     {"solver", "--solver"},
     {"name", "--solver"},
     {"format", "--input-format"},

@@ -43,10 +43,34 @@ Spread spread(std::int64_t n, Value&& value) {
 
 std::int64_t integer(std::size_t count) { return static_cast<std::int64_t>(count); }
 
+Json optional_number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+
 Json eigen_json(const EigenReport& eigen) {
-  return {{"lambda", number(eigen.lambda)},   {"next", number(eigen.next)},   {"residual", number(eigen.residual)},
-          {"iterations", eigen.iterations},   {"converged", eigen.converged}, {"solver", eigen.solver},
-          {"seconds", number(eigen.seconds)}, {"message", eigen.message}};
+  return {{"lambda", number(eigen.lambda)},
+          {"next", optional_number(eigen.next)},
+          {"residual", number(eigen.residual)},
+          {"energy_residual", number(eigen.energy_residual)},
+          {"smallest", name(eigen.smallest)},
+          {"lower_bound", optional_number(eigen.lower_bound)},
+          {"smallest_note", in_flags(eigen.smallest_note)},
+          {"iterations", eigen.iterations},
+          {"converged", eigen.converged},
+          {"solver", eigen.solver},
+          {"seconds", number(eigen.seconds)},
+          {"proof_seconds", number(eigen.proof_seconds)},
+          {"message", eigen.message}};
+}
+
+Json modes_json(const EigenModes& modes) {
+  Json list = Json::array();
+  for (Eigen::Index k = 0; k < modes.lambda.size(); ++k) {
+    list.push_back({{"lambda", number(modes.lambda[k])},
+                    {"residual", number(modes.residual[k])},
+                    {"cluster", modes.cluster[static_cast<std::size_t>(k)]}});
+  }
+  return {{"list", std::move(list)}, {"smallest", name(modes.smallest)}, {"converged", modes.converged},
+          {"solver", modes.solver},  {"iterations", modes.iterations},   {"seconds", number(modes.seconds)},
+          {"message", modes.message}};
 }
 
 /// Of several components: eigenvalues of the largest one, the worst residual, all iterations.
@@ -56,14 +80,19 @@ Json eigen_summary(const FieldRun& run, const FieldRunOptions& options) {
       std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.faces < b.faces; }) -
       parts.begin());
   Json json = eigen_json(run.eigen.at(largest));
-  double residual = 0, seconds = 0;
+  double residual = 0, energy_residual = 0, seconds = 0, proof_seconds = 0;
   std::int64_t iterations = 0;
+  const auto worse = [](double a, double b) { return std::isnan(b) ? infinity() : std::max(a, b); };
   for (const EigenReport& e : run.eigen) {
-    residual = std::isnan(e.residual) ? infinity() : std::max(residual, e.residual);
+    residual = worse(residual, e.residual);
+    energy_residual = worse(energy_residual, e.energy_residual);
+    proof_seconds += e.proof_seconds;
     iterations += e.iterations;
     seconds += e.seconds;
   }
   json["residual"] = number(residual);
+  json["energy_residual"] = number(energy_residual);
+  json["proof_seconds"] = number(proof_seconds);
   json["iterations"] = iterations;
   json["converged"] = run.certificate.eigen_converged;
   json["seconds"] = number(seconds);
@@ -139,6 +168,8 @@ Json options_json(const FieldRunOptions& options) {
           {"tolerance", number(options.eigen.tolerance)},
           {"solver", options.eigen.solver},
           {"method", options.eigen.method},
+          {"prove", name(options.eigen.prove_smallest)},
+          {"modes", options.modes},
           {"repairs", std::move(repairs)},
           {"unit", options.normalise}};
 }
@@ -320,13 +351,15 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   report["mesh"] = mesh_json(run.surface);
   report["connection"] = connection_json(run.surface, options.connection);
   report["eigen"] = eigen_summary(run, options);
+  if (options.modes > 1) report["modes"] = modes_json(run.modes);
   report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
   report["components"] = components_json(run);
   report["certificate"] = {{"connection_converged", certificate.connection_converged},
                            {"eigen_converged", certificate.eigen_converged},
                            {"residual_small", certificate.residual_small},
                            {"index_sums_match", certificate.index_sums_match},
-                           {"finite", certificate.finite}};
+                           {"finite", certificate.finite},
+                           {"smallest", name(certificate.smallest)}};
   report["warnings"] = remarks_json(run.remarks, true);
   report["notes"] = remarks_json(run.remarks, false);
   report["peak_memory_bytes"] = peak_memory_bytes();
