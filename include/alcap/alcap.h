@@ -32,6 +32,7 @@
 #include "alcap/mesh.h"
 #include "alcap/mesh_check.h"
 #include "alcap/mesh_io.h"
+#include "alcap/mesh_repair.h"
 #include "alcap/names.h"
 #include "alcap/operators.h"
 #include "alcap/output.h"

@@ -48,8 +48,9 @@ struct AlignedOptions {
   /// The last tau, in squared edge lengths (if all triangles were alike). With 6, 2.4 edges of diffusion, the zeros of
   /// a disk of 5,000 vertices come within 0.015 of their place; with 2 they take twice the steps, at 1 they stick.
   double finest = 6;
-  std::string solver = "auto";  // linear backend, also of eigenproblems
-  RunControl control = {};      // phases "assembly", "harmonic", "diffuse"
+  /// Of pieces without features. Its solver is the linear backend of all others, too.
+  EigenOptions eigen = {};
+  RunControl control = {};  // phases "assembly", "harmonic", "diffuse"
 };
 
 /// One step of renormalising and diffusing.

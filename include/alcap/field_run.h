@@ -9,30 +9,34 @@
 //   if (run.certificate.holds()) use(run.field.vectors(0), run.singularities, run.surface);
 #pragma once
 
+#include <array>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "alcap/aligned.h"
 #include "alcap/connected_surface.h"
 #include "alcap/control.h"
 #include "alcap/field.h"
+#include "alcap/mesh_repair.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
 
 namespace alcap {
 
-/// Repairs that move no vertex and renumber nothing.
-enum class Repair {
-  weld,    ///< faces use the first vertex at each position: joins triangle soups
-  orient,  ///< faces are turned so that neighbours agree
-};
-template <>
-struct NamesOf<Repair> {
-  static constexpr auto table = detail::name_table<Repair>({{Repair::weld, "weld"}, {Repair::orient, "orient"}});
+/// Which features a field is aligned with, and how.
+struct FieldAlignment {
+  SharpEdgeOptions features = {};  ///< which edges are features; boundary edges are, unless it says otherwise
+  /// Feature edges by their vertices, as read_sharp() gives them; not empty: these, and not those that fold.
+  std::vector<std::array<Index, 2>> edges = {};
+  bool across = false;  ///< across the features instead of along; the same where n is a multiple of 4
+  double weight = 0;    // 0: held exactly; above, drawn as by a stroke of this weight
+  int max_steps = AlignedOptions{}.max_steps;  // of renormalising and diffusing; 0: the harmonic field alone
 };
 
 /// What run_field() computes, and how.
@@ -42,9 +46,13 @@ struct FieldRunOptions {
   ConnectionOptions connection = {};  // globally optimal; its n is that of the run
   EigenOptions eigen = {};            // tolerance, solver and proof
   int modes = 1;                      // more: FieldRun::modes holds so many of the smoothest fields
-  std::vector<Repair> repairs = {};   // none by default: a mesh is not changed unasked. Welding always comes first
-  bool normalise = false;             // true: divide by |u| afterwards, an n-direction field
-  int threads = 0;                    // 0: as many as the machine has; results do not depend on it
+  std::vector<Repair> repairs = {};   // none by default: a mesh is not changed unasked; see mesh_repair.h
+  double weld_tolerance = 0;          // of Repair::weld, see RepairOptions
+  /// A field of even n along features instead of the smoothest one: aligned_field(). Its Dirichlet energy is that of s
+  /// = 0.
+  std::optional<FieldAlignment> align = std::nullopt;
+  bool normalise = false;  // true: divide by |u| afterwards, an n-direction field
+  int threads = 0;         // 0: as many as the machine has; results do not depend on it
   /// Called on the calling thread when a phase starts: "mesh", "connection", "solve", "analysis". An exception thrown
   /// here ends the run and reaches the caller.
   std::function<void(std::string_view phase)> progress = {};
@@ -69,6 +77,7 @@ struct Certificate {
   bool residual_small = false;        ///< both recomputed residuals <= tolerance, on every component
   bool index_sums_match = false;      ///< Poincare-Hopf, on every component
   bool finite = false;                ///< no value of the field is NaN or infinite
+  bool directions_settled = true;     ///< aligned fields: on every component
   /// What is known about the eigenvalues being the smallest: the least on any component. Only `proven` says that no
   /// smoother field exists.
   Smallest smallest = Smallest::not_checked;
@@ -76,7 +85,7 @@ struct Certificate {
   /// the smoothest one as far as the search went.
   [[nodiscard]] bool holds() const {
     return connection_converged && eigen_converged && residual_small && index_sums_match && finite &&
-           smallest != Smallest::refuted;
+           directions_settled && smallest != Smallest::refuted;
   }
 };
 
@@ -89,12 +98,26 @@ struct FieldTimes {
   double analysis = 0;    ///< vertex frames, indices, zeros, certificate
 };
 
-/// Everything a run computed. Vertices and faces are numbered as they came.
+/// What a field was aligned with, and how well.
+struct FieldFeatures {
+  FeatureGraph graph;                ///< edges, lines, corners
+  std::vector<AlignedPiece> pieces;  ///< how each component was solved
+  std::vector<Index> free_corners;   ///< see AlignedResult
+  FeatureReport report;              ///< deviations, singularities on features
+  /// Along every line, off its corners, within stroke_met_degrees on average.
+  bool followed = false;
+};
+
+/// Everything a run computed. Vertices and faces are numbered as they came, unless a repair removed faces; copies of
+/// split vertices come after all others.
 struct FieldRun {
   ConnectedSurface surface;                ///< with the connection
   Field field;                             ///< the field
-  std::vector<EigenReport> eigen;          ///< per component, in the order of topology
+  std::vector<EigenReport> eigen;          ///< per component, in the order of topology; empty in aligned runs
   EigenModes modes;                        ///< FieldRunOptions::modes of them; none where that is 1
+  std::optional<FieldFeatures> features;   ///< aligned runs
+  std::vector<Index> copies_of;            ///< see RepairedMesh
+  std::vector<Index> face_of;              ///< see RepairedMesh
   std::vector<int> indices;                ///< #F, in n-ths
   std::vector<IndexSum> index_sums;        ///< per component
   std::vector<Singularity> singularities;  ///< in order of faces
@@ -125,6 +148,7 @@ concept NotASurface = !std::is_base_of_v<Surface, std::remove_cvref_t<T>>;
 }  // namespace detail
 
 /// The same from points (#V x 3) and triangles (#F x 3) of any of the types of arrays.h, after the repairs asked for.
+/// Vertices where parts of the surface only touch are split, with a remark.
 /// Throws MeshError for a mesh that cannot be used. Positions<double> and Faces become those of the result's surface:
 /// std::move them where memory counts; everything else is copied.
 template <detail::NotASurface Points, class Triangles>
@@ -132,10 +156,17 @@ template <detail::NotASurface Points, class Triangles>
   return detail::run_field(as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F)), options);
 }
 
-/// The faces after the repairs asked for (welding first); appends what was done to `remarks`. Throws MeshError when a
-/// repair is impossible.
-[[nodiscard]] Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vector<Repair>& repairs,
-                                  std::vector<Remark>& remarks);
+/// A surface after repairs, and what was done.
+struct RepairedSurface {
+  Surface surface;               ///< ready
+  std::vector<Index> copies_of;  ///< see RepairedMesh
+  std::vector<Index> face_of;    ///< see RepairedMesh
+  std::vector<Remark> remarks;   ///< one per step
+};
+
+/// repair_mesh(), and a surface of the result. Bow-ties are looked for only where the mesh is refused for them. Throws
+/// MeshError when the mesh cannot be used.
+[[nodiscard]] RepairedSurface repaired_surface(Positions<double> V, Faces F, const RepairOptions& options = {});
 
 /// What is worth saying about a mesh that can be used: unreferenced vertices, pieces that only touch, boundary,
 /// slivers.

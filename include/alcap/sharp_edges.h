@@ -11,6 +11,7 @@
 // Scale and position do not matter. Turning all faces over turns the sign of every angle and nothing else.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -52,6 +53,18 @@ struct SharpEdgeOptions {
   double angle = 40 * pi<double> / 180;  // radians, in (0, pi]: edges whose faces turn by at least this are sharp
   double corner_angle = 40 * pi<double> / 180;  // radians, in (0, pi]: lines that turn by at least this break there
   bool boundary = true;                         // boundary edges are features too: nothing is sharper than an end
+  bool creases = true;                          // false: the boundary alone
+  // The rest cleans up what scans and coarse files blur. All off: on models with clear edges they change nothing, and
+  // their lengths are the user's to choose.
+  /// Radians, at most `angle`: edges that fold by at least this are sharp as well where they are joined, through others
+  /// like them, to one that folds by `angle`. 0: off.
+  double low_angle = 0;
+  /// In the mesh's unit of length: an end is joined to the nearest other feature vertex that a path of edges no longer
+  /// than this reaches without turning back (by corner_angle or more) from the line. 0: off.
+  double gap = 0;
+  /// In the mesh's unit of length: lines with an end that are shorter than this are removed, and again until there are
+  /// none. 0: off.
+  double spur = 0;
 };
 
 /// The angle between the normals of the two faces of edge e, in radians in [-pi, pi]: positive where the surface is
@@ -65,9 +78,13 @@ struct SharpEdgeOptions {
 [[nodiscard]] FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges,
                                          double corner_angle = SharpEdgeOptions{}.corner_angle);
 
+/// The edges between pairs of vertices, as files of feature edges give them. Throws OptionError for a pair that no edge
+/// joins.
+[[nodiscard]] std::vector<Index> edges_between(const Surface& surface, const std::vector<std::array<Index, 2>>& pairs);
+
 /// The graph of the edges whose dihedral angle is at least options.angle, up to rounding (1e-12), in absolute value,
-/// and of the boundary edges if wanted. Throws OptionError for bad angles and on a surface that lies in no space. O(V +
-/// F).
+/// and of the boundary edges if wanted; then low angles, gaps and spurs. Throws OptionError for bad options and on a
+/// surface that lies in no space. O(V + F) without gaps and spurs.
 [[nodiscard]] FeatureGraph sharp_edges(const Surface& surface, const SharpEdgeOptions& options = {});
 
 }  // namespace alcap

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -139,6 +141,125 @@ class Chains {
   std::vector<bool> used_;
 };
 
+void check_options(const SharpEdgeOptions& options) {
+  check_angle("angle", options.angle);
+  check_angle("corner_angle", options.corner_angle);
+  if (!(options.low_angle >= 0 && options.low_angle <= options.angle))
+    throw OptionError("low_angle", options.low_angle, "must be 0 (off) or in (0, angle]");
+  const auto check_length = [](const char* name, double length) {
+    if (!(length >= 0) || !std::isfinite(length)) throw OptionError(name, length, "must be finite and not negative");
+  };
+  check_length("gap", options.gap);
+  check_length("spur", options.spur);
+}
+
+/// Edges marked 2 become features where they are joined to a crease (3), and nothing elsewhere.
+void spread_low(const Mesh& mesh, std::vector<char>& sharp) {
+  std::vector<Index> marked, open;
+  for (Index e = 0; e < mesh.edges(); ++e) {
+    const char mark = sharp[static_cast<std::size_t>(e)];
+    if (mark >= 2) marked.push_back(e);
+    if (mark == 3) open.push_back(e);
+  }
+  const Incidence incidence(mesh, marked);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    detail::check_cancelled_at(static_cast<std::int64_t>(k));
+    const Index h = mesh.halfedge(open[k]);
+    for (const Index v : {mesh.tail(h), mesh.tip(h)})
+      for (const Index e : incidence.at(v))
+        if (std::exchange(sharp[static_cast<std::size_t>(e)], char{3}) == 2) open.push_back(e);
+  }
+  for (char& mark : sharp)
+    if (mark == 2) mark = 0;
+}
+
+/// The shortest path of edges from the end `start`, whose line arrives along `in`, to another feature vertex.
+class GapSearch {
+ public:
+  GapSearch(const Surface& surface, const SharpEdgeOptions& options, const std::vector<Index>& degree)
+      : surface_(surface), options_(options), degree_(degree) {}
+
+  [[nodiscard]] std::vector<Index> path(Index start, const Row& in) const {
+    std::map<Index, std::pair<double, Index>> reached{{start, {0, none}}};  // distance, edge it came by
+    std::set<std::pair<double, Index>> open{{0, start}};
+    while (!open.empty()) {
+      const auto [distance, v] = *open.begin();
+      open.erase(open.begin());
+      if (v != start && degree_[static_cast<std::size_t>(v)] > 0) return back(reached, v);
+      const auto step = [&](Index w, Index e) {
+        if (v == start && direction(surface_, v, w).dot(in) <= std::cos(options_.corner_angle)) return;
+        const double there = distance + surface_.geometry().length(e);
+        if (!(there <= options_.gap)) return;
+        const auto [at, fresh] = reached.emplace(w, std::pair(there, e));
+        if (!fresh && !(there < at->second.first)) return;
+        open.erase({at->second.first, w});
+        at->second = {there, e};
+        open.insert({there, w});
+      };
+      const Mesh& mesh = surface_.mesh();
+      mesh.for_each_outgoing(v, [&](Index h) {
+        step(mesh.tip(h), mesh.edge(h));
+        if (mesh.twin(Mesh::prev(h)) == none) step(mesh.tail(Mesh::prev(h)), mesh.edge(Mesh::prev(h)));
+      });
+    }
+    return {};
+  }
+
+ private:
+  [[nodiscard]] std::vector<Index> back(const std::map<Index, std::pair<double, Index>>& reached, Index v) const {
+    std::vector<Index> edges;
+    for (Index e = reached.at(v).second; e != none; e = reached.at(v).second) {
+      edges.push_back(e);
+      const Index h = surface_.mesh().halfedge(e);
+      v = surface_.mesh().tail(h) == v ? surface_.mesh().tip(h) : surface_.mesh().tail(h);
+    }
+    return edges;
+  }
+
+  const Surface& surface_;
+  const SharpEdgeOptions& options_;
+  const std::vector<Index>& degree_;
+};
+
+void close_gaps(const Surface& surface, const SharpEdgeOptions& options, std::vector<Index>& edges) {
+  const Mesh& mesh = surface.mesh();
+  std::vector<Index> degree(static_cast<std::size_t>(mesh.vertices()), 0);
+  const auto count = [&](Index e) {
+    ++degree[static_cast<std::size_t>(mesh.tail(mesh.halfedge(e)))];
+    ++degree[static_cast<std::size_t>(mesh.tip(mesh.halfedge(e)))];
+  };
+  for (const Index e : edges) count(e);
+  const std::vector<Index> found = edges;
+  const Incidence incidence(mesh, found);
+  const GapSearch search(surface, options, degree);
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    detail::check_cancelled_at(v);
+    if (degree[static_cast<std::size_t>(v)] != 1 || incidence.at(v).size() != 1) continue;
+    const Index before = incidence.other_end(incidence.at(v)[0], v);
+    for (const Index e : search.path(v, direction(surface, before, v))) {
+      edges.push_back(e);
+      count(e);
+    }
+  }
+}
+
+void remove_spurs(const Surface& surface, const SharpEdgeOptions& options, std::vector<Index>& edges) {
+  for (bool removed = true; removed;) {
+    detail::check_cancelled();
+    const FeatureGraph graph = feature_graph(surface, edges, options.corner_angle);
+    std::vector<Index> kept;
+    for (const FeatureLine& line : graph.lines) {
+      const auto ends = [&](Index v) { return graph.vertices[static_cast<std::size_t>(v)] == FeatureVertex::end; };
+      double length = 0;
+      for (const Index e : line.edges) length += surface.geometry().length(e);
+      const bool spur = (ends(line.vertices.front()) || ends(line.vertices.back())) && length < options.spur;
+      if (!spur) kept.insert(kept.end(), line.edges.begin(), line.edges.end());
+    }
+    removed = kept.size() < graph.edges.size();
+    edges = std::move(kept);
+  }
+}
+
 }  // namespace
 
 double dihedral_angle(const Surface& surface, Index e) {
@@ -167,20 +288,36 @@ FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges, dou
   return graph;
 }
 
+std::vector<Index> edges_between(const Surface& surface, const std::vector<std::array<Index, 2>>& pairs) {
+  std::vector<Index> edges;
+  for (const auto& [i, j] : pairs) {
+    edges.push_back(surface.mesh().edge(i, j));
+    if (edges.back() == none)
+      throw OptionError("pairs", std::to_string(i) + "-" + std::to_string(j), "no edge joins these vertices");
+  }
+  return edges;
+}
+
 FeatureGraph sharp_edges(const Surface& surface, const SharpEdgeOptions& options) {
   check_space(surface);
-  check_angle("angle", options.angle);
+  check_options(options);
   const Mesh& mesh = surface.mesh();
   std::vector<char> sharp(static_cast<std::size_t>(mesh.edges()));
+  // 1: a feature; 2: one if it is joined to a crease; 3: a crease.
   parallel_for(mesh.edges(), [&](std::int64_t i) {
     const auto e = static_cast<Index>(i);
-    sharp[static_cast<std::size_t>(i)] = mesh.boundary_halfedge(mesh.halfedge(e))
-                                             ? options.boundary
-                                             : std::abs(fold(surface, e)) >= options.angle - angle_rounding;
+    const bool rim = mesh.boundary_halfedge(mesh.halfedge(e));
+    const double angle = rim || !options.creases ? 0 : std::abs(fold(surface, e));
+    const bool crease = !rim && options.creases && angle >= options.angle - angle_rounding;
+    const bool low = options.low_angle > 0 && angle >= options.low_angle - angle_rounding;
+    sharp[static_cast<std::size_t>(i)] = crease ? 3 : rim && options.boundary ? 1 : low ? 2 : 0;
   });
+  if (options.low_angle > 0) spread_low(mesh, sharp);
   std::vector<Index> edges;
   for (Index e = 0; e < mesh.edges(); ++e)
     if (sharp[static_cast<std::size_t>(e)] != 0) edges.push_back(e);
+  if (options.gap > 0) close_gaps(surface, options, edges);
+  if (options.spur > 0) remove_spurs(surface, options, edges);
   return feature_graph(surface, std::move(edges), options.corner_angle);
 }
 

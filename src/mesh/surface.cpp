@@ -8,12 +8,22 @@
 namespace alcap {
 
 Surface::Surface(Made, Positions<double> V, Faces F) {
+  Mesh mesh(std::move(F), V.rows());
+  *this = from_mesh(std::move(V), std::move(mesh));
+}
+
+Surface Surface::from_mesh(Positions<double> V, Mesh mesh) {
+  if (V.rows() != mesh.vertices())
+    throw OptionError("V", std::to_string(V.rows()) + " rows",
+                      "needs one per vertex, " + std::to_string(mesh.vertices()));
   auto parts = std::make_shared<Parts>();
   parts->V = std::move(V);
-  parts->mesh = Mesh(std::move(F), parts->V.rows());
+  parts->mesh = std::move(mesh);
   parts->topology = find_topology(parts->mesh);
   parts->geometry = Geometry(parts->mesh, parts->V);
-  parts_ = std::move(parts);
+  Surface surface;
+  surface.parts_ = std::move(parts);
+  return surface;
 }
 
 Surface Surface::from_lengths(Mesh mesh, const VectorX<double>& lengths, Positions<double> V) {

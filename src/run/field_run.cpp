@@ -12,6 +12,8 @@
 #include "src/base/clock.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/mesh/near_vertices.h"
+#include "src/run/field_aligned.h"
 #include "src/run/remarks.h"
 
 namespace alcap {
@@ -24,6 +26,9 @@ constexpr std::size_t most_named = 8;
 // Corners below this angle are slivers worth a remark: their cotangents are beyond 500 and the solver's matrices feel
 // it.
 constexpr double sliver_angle = 0.002;
+
+// Boundary vertices this close, in diagonals of the box, may have been one before single precision or a jitter.
+constexpr double near_coincident = 1e-6;
 
 // Two smallest eigenvalues this close together (relative) leave the choice within their span to chance.
 constexpr double degenerate_gap = 1e-6;
@@ -39,6 +44,14 @@ void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
   remarks.push_back(std::move(remark));
 }
 
+/// Whether welding within this part of the size gives a mesh that can be used and joins pieces, not corners alone.
+bool welding_helps(const Surface& surface, double tolerance) {
+  const RepairedMesh welded =
+      repair_mesh(surface.V(), surface.F(), {.repairs = {Repair::weld}, .weld_tolerance = tolerance});
+  return find_defects(welded.F, welded.V.rows()).empty() && find_defects(welded.V, welded.F).empty() &&
+         Mesh(welded.F, welded.V.rows()).boundary_edges() < surface.mesh().boundary_edges();
+}
+
 // Only boundary vertices can be where two pieces should have been one.
 void remark_separate_pieces(const Surface& surface, std::vector<Remark>& remarks) {
   const Mesh& mesh = surface.mesh();
@@ -49,15 +62,21 @@ void remark_separate_pieces(const Surface& surface, std::vector<Remark>& remarks
   }
   Positions<double> points(static_cast<Eigen::Index>(rim.size()), 3);
   for (std::size_t k = 0; k < rim.size(); ++k) points.row(static_cast<Eigen::Index>(k)) = surface.V().row(rim[k]);
-  const std::int64_t count = duplicate_positions(points);
-  if (count == 0) return;
+  const std::int64_t same = duplicate_positions(points);
+  std::int64_t near = 0;
+  if (same == 0) {
+    const std::vector<Index> first = detail::first_near(points, near_coincident * detail::box_diagonal(surface.V()));
+    for (std::size_t k = 0; k < first.size(); ++k) near += first[k] == static_cast<Index>(k) ? 0 : 1;
+  }
+  if (same + near == 0) return;
   const auto pieces = static_cast<std::int64_t>(surface.topology().components.size());
-  remarks.push_back(
-      {.code = "separate_pieces",
-       .message = counted(count, "boundary vertex lies", "boundary vertices lie") +
-                  " exactly where another one does, but the faces do not share them; the mesh was taken as " +
-                  counted(pieces, "piece", "separate pieces") + "; join them with Repair::weld",
-       .count = count});
+  const char* const where = same > 0 ? " exactly where another one does" : " within 1e-6 of the size of another one";
+  std::string message = counted(same + near, "boundary vertex lies", "boundary vertices lie") + where +
+                        ", but the faces do not share them; the mesh was taken as " +
+                        counted(pieces, "piece", "separate pieces");
+  if (welding_helps(surface, same > 0 ? 0 : near_coincident))
+    message += same > 0 ? "; join them with Repair::weld" : "; join them with Repair::weld:1e-6";
+  remarks.push_back({.code = same > 0 ? "separate_pieces" : "near_pieces", .message = message, .count = same + near});
 }
 
 void remark_slivers(const Surface& surface, std::vector<Remark>& remarks) {
@@ -190,7 +209,10 @@ void say(const FieldRunOptions& options, const char* phase) {
 
 /// Everything after the mesh.
 void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& watch, const Surface& surface) {
-  for (Remark& remark : mesh_remarks(surface)) run.remarks.push_back(std::move(remark));
+  for (Remark& remark : mesh_remarks(surface)) {
+    const bool free_boundary = remark.code == "boundary";
+    if (!(free_boundary && options.align && options.align->features.boundary)) run.remarks.push_back(std::move(remark));
+  }
   run.times.mesh = watch.lap();
 
   say(options, "connection");
@@ -200,21 +222,25 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.times.connection = watch.lap();
 
   say(options, "solve");
-  SmoothestResult result = smoothest_field(run.surface, {.n = options.n, .s = options.s, .eigen = options.eigen});
-  run.field = std::move(result.field);
-  run.eigen = std::move(result.components);
-  if (options.modes > 1)
-    run.modes = smoothest_modes(run.surface, options.modes, {.n = options.n, .s = options.s, .eigen = options.eigen});
-  run.times.assembly = result.assembly_seconds;
-  run.times.eigen = result.eigen_seconds;
-  run.times.eigen += run.modes.seconds;
-  const double frames = std::max(0.0, watch.lap() - result.assembly_seconds - run.times.eigen);
+  if (options.align) {
+    detail::solve_aligned(options, run);
+  } else {
+    SmoothestResult result = smoothest_field(run.surface, {.n = options.n, .s = options.s, .eigen = options.eigen});
+    run.field = std::move(result.field);
+    run.eigen = std::move(result.components);
+    if (options.modes > 1)
+      run.modes = smoothest_modes(run.surface, options.modes, {.n = options.n, .s = options.s, .eigen = options.eigen});
+    run.times.assembly = result.assembly_seconds;
+    run.times.eigen = result.eigen_seconds + run.modes.seconds;
+  }
+  const double frames = std::max(0.0, watch.lap() - run.times.assembly - run.times.eigen);
 
   say(options, "analysis");
   run.indices = face_indices(run.surface, run.field);
   run.index_sums = index_sums(run.surface, run.field, run.indices);
   run.singularities = find_singularities(run.surface, run.field, run.indices);
   run.certificate = certify(run, options);
+  if (run.features) detail::judge_aligned(options, run);
   remark_outcome(run, options, run.remarks);
   if (options.normalise) run.field = normalised(std::move(run.field));
   run.times.analysis = frames + watch.lap();
@@ -239,29 +265,6 @@ FieldRun run_on(const FieldRunOptions& options, Make&& make) {
 }
 
 }  // namespace
-
-Faces apply_repairs(const Positions<double>& V, const Faces& F, const std::vector<Repair>& repairs,
-                    std::vector<Remark>& remarks) {
-  const auto asked = [&](Repair repair) { return std::find(repairs.begin(), repairs.end(), repair) != repairs.end(); };
-  Faces repaired = F;
-  const auto report = [&](const char* code, std::int64_t count, std::vector<Index> first, const std::string& done) {
-    if (first.size() > most_named) first.resize(most_named);
-    remarks.push_back({.code = code, .warning = false, .message = done, .count = count, .first = std::move(first)});
-  };
-  if (asked(Repair::weld)) {
-    repaired = repair_weld(V, F);
-    const std::int64_t corners = (repaired.array() != F.array()).count();
-    report("welded", corners, {},
-           counted(corners, "corner", "corners") + " moved to the first vertex at the same position");
-  }
-  if (asked(Repair::orient)) {
-    std::vector<Index> flipped;
-    repaired = repair_orientation(repaired, V.rows(), &flipped);
-    const auto count = static_cast<std::int64_t>(flipped.size());
-    report("reoriented", count, std::move(flipped), counted(count, "face", "faces") + " turned");
-  }
-  return repaired;
-}
 
 std::vector<Remark> mesh_remarks(const Surface& surface) {
   const Topology& topology = surface.topology();
@@ -296,10 +299,18 @@ FieldRun run_field(const Surface& surface, const FieldRunOptions& options) {
 }
 
 FieldRun detail::run_field(Positions<double> V, Faces F, const FieldRunOptions& options) {
-  return run_on(options, [&](std::vector<Remark>& remarks) {
-    if (!options.repairs.empty()) F = apply_repairs(V, F, options.repairs, remarks);
-    return Surface(std::move(V), std::move(F));
+  std::vector<Index> copies_of, face_of;
+  FieldRun run = run_on(options, [&](std::vector<Remark>& remarks) {
+    RepairedSurface repaired = repaired_surface(std::move(V), std::move(F),
+                                                {.repairs = options.repairs, .weld_tolerance = options.weld_tolerance});
+    for (Remark& r : repaired.remarks) remarks.push_back(std::move(r));
+    copies_of = std::move(repaired.copies_of);
+    face_of = std::move(repaired.face_of);
+    return std::move(repaired.surface);
   });
+  run.copies_of = std::move(copies_of);
+  run.face_of = std::move(face_of);
+  return run;
 }
 
 }  // namespace alcap

@@ -42,13 +42,6 @@ std::vector<BadInput> bad_inputs() {
       {"repeated vertex", "a.obj", v + "f 1 2 2\n", 4, "mesh", "repeated_vertex_in_face", {"0", "delete"}},
       {"duplicate face", "a.obj", v + f + "f 2 3 1\n", 4, "mesh", "duplicate_face", {"4", "delete"}},
       {"non-manifold edge", "a.obj", v + "v 5 5 5\n" + f + "f 2 1 5\n", 4, "mesh", "non_manifold_edge", {"(0, 1)"}},
-      {"bow-tie",
-       "a.obj",
-       "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n",
-       4,
-       "mesh",
-       "non_manifold_vertex",
-       {"0", "copy"}},
       {"inconsistent orientation",
        "a.obj",
        v + "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 3 4\n",
@@ -220,4 +213,74 @@ TEST_CASE("the content decides what a file is, not its extension; quads are tria
   CHECK(report["mesh"]["faces"] == 2);
   CHECK(report["input"]["polygons_triangulated"] == true);
   CHECK(folder.run("field quad.obj --refuse-polygons").exit == 3);
+}
+
+TEST_CASE("what alcap info proposes works, word for word") {
+  const MeshData ball = icosphere(1);
+  struct Broken {
+    const char* what;
+    MeshData mesh;
+    const char* repair;
+  };
+  std::vector<Broken> broken;
+  MeshData twice = ball;
+  twice.F.conservativeResize(twice.F.rows() + 1, 3);
+  twice.F.bottomRows(1) = ball.F.topRows(1);
+  broken.push_back({"duplicate face", twice, "duplicates"});
+  MeshData flat{Positions<double>(5, 3), Faces(4, 3)};
+  flat.V << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0.5, 0.5, 0;
+  flat.F << 0, 1, 2, 0, 2, 4, 0, 4, 3, 4, 2, 3;
+  broken.push_back({"flat face", flat, "degenerate"});
+  MeshData fin = grid(4, 4);
+  fin.V.conservativeResize(fin.V.rows() + 1, 3);
+  fin.V.bottomRows(1) << 0.1, 0.2, 1;
+  fin.F.conservativeResize(fin.F.rows() + 1, 3);
+  fin.F.bottomRows(1) << 6, 7, static_cast<Index>(fin.V.rows() - 1);
+  broken.push_back({"three faces at an edge", fin, "split"});
+  MeshData turned = ball;
+  std::swap(turned.F(3, 0), turned.F(3, 1));
+  broken.push_back({"a turned face", turned, "orient"});
+  MeshData several = twice;
+  std::swap(several.F(3, 0), several.F(3, 1));
+  broken.push_back({"turned and duplicate", several, "auto"});
+  for (const Broken& b : broken) {
+    CAPTURE(b.what);
+    const CliFolder folder;
+    folder.write("part.obj", b.mesh);
+    CHECK(folder.run("field part.obj --json").exit == 4);
+    const Json info = folder.run("info part.obj --json").json();
+    CHECK(info["ok"] == false);
+    REQUIRE(info["command_that_works"].is_string());
+    const std::string command = info["command_that_works"];
+    CHECK(info["repairs_that_help"].back() == b.repair);
+    REQUIRE(command.rfind("alcap field ", 0) == 0);
+    const CliResult result = folder.run(command.substr(6) + " --json");
+    CAPTURE(result.err);
+    CHECK(result.exit == 0);
+    CHECK(result.json()["ok"] == true);
+  }
+}
+
+TEST_CASE("bow-ties are split with a note and a map; the field comes out on the split surface") {
+  const CliFolder folder;
+  folder.write("bow.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n");
+  const CliResult result = folder.run("field bow.obj -o out/ --json");
+  CHECK(result.exit == 0);
+  const Json report = result.json();
+  CHECK(report["mesh"]["vertices"] == 6);
+  CHECK(report["repaired"]["copies_of"] == Json::array({0}));
+  bool said = false;
+  for (const Json& note : report["notes"]) said = said || note["code"] == "bow_ties_split";
+  CHECK(said);
+  CHECK(folder.run("info bow.obj --json").json()["ok"] == true);
+  // What was written can be read again, with the mesh it came from.
+  CHECK(folder.run("ops bow.obj out/field.ply -o v.csv --json").exit == 0);
+}
+
+TEST_CASE("--repair: unknown words, tolerances") {
+  const CliFolder folder;
+  folder.write("a.obj", icosphere(0));
+  for (const char* bad : {"glue", "weld:", "weld:x", "weld:-1", "weld:1", "orient:1"})
+    CHECK(folder.run("field a.obj --repair " + std::string(bad)).exit == 2);
+  CHECK(folder.run("field a.obj --repair weld:1e-6 --json").exit == 0);
 }

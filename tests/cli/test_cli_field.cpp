@@ -9,6 +9,7 @@
 
 #include "alcap/output.h"
 #include "tests/cli/cli_runner.h"
+#include "tests/support/parts.h"
 
 using namespace alcap;
 using test::CliFolder;
@@ -269,4 +270,44 @@ TEST_CASE("what does not converge is written, marked, and exits with 5") {
   CHECK(report["warnings"].back()["code"] == "eigen_not_converged");
   CHECK(result.error_says("certificate"));
   CHECK(folder.read_json("out/report.json")["ok"] == false);
+}
+
+TEST_CASE("--align-features: crosses along every crease, a report per line, and .sharp beside the field") {
+  const CliFolder folder;
+  const MeshData box = test::blocks(test::cells(2, 1, 1, [](int, int, int) { return false; }), 6);
+  folder.write("box.obj", box);
+  const CliResult result = folder.run("field box.obj --align-features -n 4 -o out --formats ply,rosy --json");
+  CAPTURE(result.err);
+  CHECK(result.exit == 0);
+  const Json report = result.json();
+  CHECK(report["eigen"].is_null());
+  const Json& alignment = report["alignment"];
+  CHECK(alignment["angle_degrees"] == doctest::Approx(40));
+  CHECK(alignment["lines"].size() == 12);
+  CHECK(alignment["corners"] == 8);
+  CHECK(alignment["all"]["mean_degrees"].get<double>() < 1);
+  CHECK(alignment["all"]["singularities"] == 0);
+  CHECK(report["certificate"]["directions_settled"] == true);
+  CHECK(report["alignment"]["followed"] == true);
+  CHECK(report["singularities"]["index_sum"] == 8);
+  // The file of features, read back, asks for the same.
+  const std::string sharp = CliFolder::read(folder.work() / "out/field.sharp");
+  CHECK(sharp.rfind(std::to_string(2 * alignment["edges"].get<int>()) + "\n1,", 0) == 0);
+  const Json again = folder.run("field box.obj --features out/field.sharp -n 4 --json").json();
+  CHECK(again["alignment"]["lines"].size() == 12);
+  CHECK(again["singularities"]["list"].size() == report["singularities"]["list"].size());
+  CHECK(folder.run("field box.obj --align-features=100 --json").json()["alignment"]["edges"] == 0);
+  CHECK(folder.run("field box.obj --align-features 30 --json").json()["alignment"]["lines"].size() == 12);
+  CHECK(folder.run("field box.obj --align-features -n 3").exit == 2);
+  CHECK(folder.run("field box.obj --align-features=no").exit == 2);
+  CHECK(folder.run("field box.obj --features missing.sharp").exit == 3);
+  CHECK(folder.run("field box.obj --align-features --align-weight 20 --align-across -n 2 --json").exit == 0);
+}
+
+TEST_CASE("--align-boundary on a plate: no singularities on a square, four on a disk") {
+  const CliFolder folder;
+  folder.write("square.obj", grid(16, 16));
+  folder.write("disk.obj", disk(16));
+  CHECK(folder.run("field square.obj --align-boundary --json").json()["singularities"]["count"] == 0);
+  CHECK(folder.run("field disk.obj --align-boundary --json").json()["singularities"]["count"] == 4);
 }

@@ -11,7 +11,6 @@
 #include "alcap/connected_surface.h"
 #include "alcap/generators.h"
 #include "alcap/smoothest.h"
-#include "tests/support/mesh_families.h"
 #include "tests/support/parts.h"
 #include "tests/support/surfaces.h"
 
@@ -158,8 +157,9 @@ TEST_CASE("one fixed vertex: the same singularities by every linear solver, howe
     std::vector<Index> expected;
     for (const std::string& solver : linear_solvers()) {
       CAPTURE(solver);
-      const AlignedResult result = aligned_field(surface, feature_graph(surface, {}),
-                                                 {.n = 4, .fixed = {{.vertex = 100, .value = 2.0}}, .solver = solver});
+      const AlignedResult result =
+          aligned_field(surface, feature_graph(surface, {}),
+                        {.n = 4, .fixed = {{.vertex = 100, .value = 2.0}}, .eigen = {.solver = solver}});
       CHECK(result.pieces.at(0).settled);
       CHECK(result.fixed_degrees < 1e-9);
       std::vector<Index> faces;

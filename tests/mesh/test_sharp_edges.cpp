@@ -279,3 +279,55 @@ TEST_CASE("bad angles, bad edges, and surfaces that lie in no space are refused"
   CHECK_THROWS_AS(static_cast<void>(sharp_edges(flat)), OptionError);
   CHECK_THROWS_AS(static_cast<void>(dihedral_angle(flat, 0)), OptionError);
 }
+
+namespace {
+
+/// A long roof along x: its ridge at y = 0 folds by `low` degrees for |x| < 1 and by 60 elsewhere, over 8 x 2 squares.
+Surface roof(double low) {
+  MeshData s = grid(8, 2, 8, 2);
+  const double y = s.V.col(1).mean(), x = s.V.col(0).mean();
+  for (Eigen::Index v = 0; v < s.V.rows(); ++v) {
+    const double fold = (std::abs(s.V(v, 0) - x) < 1.5 ? low : 60) * pi<double> / 180;
+    s.V(v, 2) = -std::tan(fold / 2) * std::abs(s.V(v, 1) - y);
+  }
+  return Surface(s.V, s.F);
+}
+
+std::size_t ridge(const FeatureGraph& graph, const Surface& surface) {
+  std::size_t count = 0;
+  for (const Index e : graph.edges) count += surface.mesh().boundary_halfedge(surface.mesh().halfedge(e)) ? 0 : 1;
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("low angles are followed from sharp edges, gaps are closed, spurs removed; off, nothing changes") {
+  const Surface surface = roof(30);
+  const auto degrees = [](double d) { return d * pi<double> / 180; };
+  const std::size_t plain = ridge(sharp_edges(surface), surface);
+  CHECK(plain < 8);
+  CHECK(ridge(sharp_edges(surface, {.low_angle = degrees(25)}), surface) >= 8);
+  const FeatureGraph closed = sharp_edges(surface, {.boundary = false, .gap = 4});
+  CHECK(ridge(closed, surface) >= 8);
+  CHECK(closed.edges.size() > sharp_edges(surface, {.boundary = false}).edges.size());
+  CHECK(ridge(sharp_edges(surface, {.gap = 0.5}), surface) == plain);
+  // Without its boundary the ridge is two lines with ends, of at most 4; all of them go.
+  CHECK(sharp_edges(surface, {.boundary = false, .spur = 5}).edges.empty());
+  CHECK(sharp_edges(surface, {.boundary = false, .spur = 1e-3}).edges ==
+        sharp_edges(surface, {.boundary = false}).edges);
+  // Low folds that no sharp edge touches are none.
+  CHECK(ridge(sharp_edges(surface, {.angle = degrees(100), .low_angle = degrees(25)}), surface) == 0);
+  CHECK(sharp_edges(surface, {.creases = false}).edges.size() ==
+        static_cast<std::size_t>(surface.mesh().boundary_edges()));
+  CHECK_THROWS_AS((void)sharp_edges(surface, {.low_angle = 3}), OptionError);
+  CHECK_THROWS_AS((void)sharp_edges(surface, {.gap = -1}), OptionError);
+  CHECK_THROWS_AS((void)sharp_edges(surface, {.spur = -1}), OptionError);
+}
+
+TEST_CASE("edges between vertices") {
+  const MeshData box = cube();
+  const Surface surface(box.V, box.F);
+  const Index e = 5, h = surface.mesh().halfedge(e);
+  CHECK(edges_between(surface, {{surface.mesh().tip(h), surface.mesh().tail(h)}}) == std::vector<Index>{e});
+  CHECK_THROWS_AS((void)edges_between(surface, {{0, 0}}), OptionError);
+}

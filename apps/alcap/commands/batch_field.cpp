@@ -69,6 +69,8 @@ Json line_of(const FieldRun& run, double seconds) {
     lambda = c == 0 ? run.eigen[c].lambda : std::min(lambda, run.eigen[c].lambda);
     residual = std::max(residual, run.eigen[c].residual);
   }
+  if (run.features)
+    for (const AlignedPiece& piece : run.features->pieces) residual = std::max(residual, piece.residual);
   Json warnings = Json::array();
   for (const Remark& r : run.remarks) {
     if (r.warning) warnings.push_back(r.code);
@@ -77,7 +79,7 @@ Json line_of(const FieldRun& run, double seconds) {
           {"vertices", run.mesh().vertices()},
           {"faces", run.mesh().faces()},
           {"components", run.topology().components.size()},
-          {"lambda", number(lambda)},
+          {"lambda", run.features ? Json(nullptr) : number(lambda)},
           {"residual", number(residual)},
           {"smallest", name(run.certificate.smallest)},
           {"singularities", run.singularities.size()},

@@ -30,6 +30,7 @@ constexpr const char* footer =
     "  alcap field scan.stl --repair weld -o out    a triangle soup, welded first\n"
     "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
     "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
+    "  alcap field part.stl --align-features -o out  crosses along creases and boundary; out/ gets field.sharp\n"
     "  alcap field bunny.ply --png bunny.png        a picture: curves and singularities\n"
     "  alcap field bunny.ply --html bunny.html      a page to look at it with\n"
     "  alcap field bunny.ply --json                 no files, just the certificate\n"
@@ -45,6 +46,7 @@ struct FieldOptions {
   FilesChoice files = {};
   ShowOptions show = {};
   BatchChoice batch = {};
+  std::filesystem::path features = {};  // a .sharp file
 };
 
 std::string phase_text(std::string_view phase, std::int64_t faces) {
@@ -94,11 +96,14 @@ std::string summary(const FieldOptions& options, const Json& report) {
   line("connection",
        fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
                    short_text(connection["D_T"]), short_text(connection["D_E"]), count(connection["iterations"])));
-  const std::string next = eigen["next"].is_null() ? "" : fmt::format(" (next {})", short_text(eigen["next"]));
-  line("field", fmt::format("n = {}, eigenvalue {}{}, residual {}, {}", n, short_text(eigen["lambda"]), next,
-                            short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
-  line("smallest", smallest_text(report));
-  if (report.contains("modes")) line("modes", modes_text(report["modes"]));
+  if (report.contains("alignment")) text += alignment_summary(report["alignment"], n);
+  if (!eigen.is_null()) {
+    const std::string next = eigen["next"].is_null() ? "" : fmt::format(" (next {})", short_text(eigen["next"]));
+    line("field", fmt::format("n = {}, eigenvalue {}{}, residual {}, {}", n, short_text(eigen["lambda"]), next,
+                              short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
+    line("smallest", smallest_text(report));
+    if (report.contains("modes")) line("modes", modes_text(report["modes"]));
+  }
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
                                     turns_text(singular["index_sum"].get<std::int64_t>(), n),
@@ -115,7 +120,8 @@ std::string summary(const FieldOptions& options, const Json& report) {
 
 /// The field of the mesh that was read, or of the intrinsic surface that edge lengths make of it.
 FieldRun run_on(FieldOptions& options, MeshFile& file) {
-  options.run.repairs = options.mesh.repairs;
+  options.run.repairs = options.mesh.repair.repairs;
+  options.run.weld_tolerance = options.mesh.repair.weld_tolerance;
   if (options.mesh.lengths.empty()) return run_field(std::move(file.V), std::move(file.F), options.run);
   std::vector<Remark> remarks;
   const Surface surface = make_surface(options.mesh, file, remarks);
@@ -156,14 +162,19 @@ Outcome run(FieldOptions options, Progress& progress) {
   times.read = total.seconds();
 
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
+  if (!options.features.empty()) options.run.align->edges = read_sharp(file.F, options.features);
   const FieldRun result = run_on(options, file);
 
   progress.phase("writing");
   const detail::Stopwatch writing;
   const FieldOutput output = output_of(result);
   Json report = field_report(options.mesh.path, file, result, options.run);
-  const auto modes = [&](const std::filesystem::path& folder) { return write_modes(options, result, folder); };
-  write_files(plan, options.files, output, modes, [&](const std::vector<std::string>& files) -> const Json& {
+  const auto others = [&](const std::filesystem::path& folder) {
+    if (!result.features) return write_modes(options, result, folder);
+    write_sharp(result.surface, result.features->graph, folder / "field.sharp");
+    return std::vector<std::string>{"field.sharp"};
+  };
+  write_files(plan, options.files, output, others, [&](const std::vector<std::string>& files) -> const Json& {
     times.write = writing.seconds();
     times.total = total.seconds();
     report["times"] = times_json(result.times, times);
@@ -178,6 +189,9 @@ Outcome run(FieldOptions options, Progress& progress) {
   if (!result.certificate.holds()) {
     outcome.exit = Exit::uncertified;
     outcome.complaint = complaint("the certificate does not hold:", result.remarks);
+  } else if (result.features && !result.features->followed) {
+    outcome.exit = Exit::unmet;
+    outcome.complaint = complaint("the field does not follow every feature:", result.remarks);
   }
   return outcome;
 }
@@ -192,8 +206,49 @@ Outcome run_batch_of(FieldOptions options, const Common& common) {
   options.batch.folder = options.files.output;
   options.batch.formats =
       options.files.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options.files);
-  options.run.repairs = options.mesh.repairs;
+  options.run.repairs = options.mesh.repair.repairs;
+  options.run.weld_tolerance = options.mesh.repair.weld_tolerance;
+  if (!options.features.empty())
+    throw Failure(Exit::usage, "--features belongs to one mesh, not to a batch", {{"option", "--features"}});
   return run_field_batch(options.batch, options.mesh, options.run, common);
+}
+
+void add_alignment_options(cli::App& app, FieldOptions& options) {
+  const auto align = [&options]() -> FieldAlignment& {
+    return options.run.align ? *options.run.align : options.run.align.emplace();
+  };
+  app.add_option_function<std::string>(
+         "--align-features", [align](const std::string& text) { align().features.angle = feature_angle(text); },
+         "A field of even n along the edges that fold by ANGLE degrees (default 40) and along the boundary, with "
+         "singularities where the directions turn least; after MESH, or with =ANGLE")
+      ->type_name("ANGLE")
+      ->expected(0, 1)
+      ->group("Alignment");
+  app.add_flag_function(
+         "--align-boundary",
+         [align, &app](std::int64_t) {
+           if (app.get_option("--align-features")->count() == 0) align().features.creases = false;
+         },
+         "The same along the boundary alone")
+      ->group("Alignment");
+  app.add_option_function<std::string>(
+         "--features",
+         [align, &options](const std::string& file) {
+           (void)align();
+           options.features = file;
+         },
+         "The same along the edges that a .sharp file lists")
+      ->type_name("FILE.sharp")
+      ->group("Alignment");
+  app.add_flag_function(
+         "--align-across", [align](std::int64_t) { align().across = true; }, "Across those edges, not along them")
+      ->group("Alignment");
+  app.add_option_function<double>(
+         "--align-weight", [align](double weight) { align().weight = weight; },
+         "Draw the field along, with this weight, instead of holding it; 1 is that of a stroke")
+      ->type_name("X")
+      ->check(cli::PositiveNumber)
+      ->group("Alignment");
 }
 
 std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
@@ -218,6 +273,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->check(cli::Range(-1.0, 1.0));
   add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
+  add_alignment_options(app, *options);
   add_show_options(app, options->show);
   app.add_option(
          "--modes", options->run.modes,

@@ -35,12 +35,16 @@ std::vector<DefectReport> all_defects(const Positions<double>& V, const Faces& F
 
 /// Which repairs, alone or together, make the mesh usable; empty when none does.
 std::vector<std::string> helpful_repairs(const Positions<double>& V, const Faces& F) {
-  const std::vector<std::pair<std::vector<Repair>, std::vector<std::string>>> choices = {
-      {{Repair::orient}, {"orient"}}, {{Repair::weld}, {"weld"}}, {{Repair::weld, Repair::orient}, {"weld", "orient"}}};
-  for (const auto& [repairs, names] : choices) {
+  const std::vector<std::vector<Repair>> choices = {
+      {Repair::orient}, {Repair::duplicates},           {Repair::degenerate}, {Repair::split},
+      {Repair::weld},   {Repair::weld, Repair::orient}, {Repair::automatic}};
+  for (const std::vector<Repair>& repairs : choices) {
     try {
-      std::vector<Remark> ignored;
-      if (all_defects(V, apply_repairs(V, F, repairs, ignored)).empty()) return names;
+      const RepairedMesh mesh = repair_mesh(V, F, {.repairs = repairs});
+      if (!all_defects(mesh.V, mesh.F).empty()) continue;
+      std::vector<std::string> names;
+      for (const Repair r : repairs) names.emplace_back(name(r));
+      return names;
     } catch (const MeshError&) {  // this repair is impossible; the next may work
     }
   }
@@ -127,11 +131,36 @@ std::string summary(const Json& report) {
   if (report["ok"].get<bool>()) {
     line("field", "can be computed");
   } else {
-    std::string flags;
-    for (const Json& r : report["repairs_that_help"]) flags += " --repair " + r.get<std::string>();
-    line("field", "cannot be computed" + (flags.empty() ? std::string() : "; it can with" + flags));
+    const Json& command = report["command_that_works"];
+    line("field", "cannot be computed" + (command.is_null() ? "" : "; it can by: " + command.get<std::string>()));
   }
   return text;
+}
+
+/// The command that computes a field after these repairs, besides those that were asked for.
+std::string command_with(const MeshChoice& choice, const std::vector<std::string>& repairs) {
+  std::string command = "alcap field '" + choice.path.string() + "'";
+  for (const Repair r : choice.repair.repairs) {
+    const bool near = r == Repair::weld && choice.repair.weld_tolerance > 0;
+    command += " --repair " + std::string(name(r)) + (near ? fmt::format(":{}", choice.repair.weld_tolerance) : "");
+  }
+  for (const std::string& r : repairs) command += " --repair " + r;
+  return command;
+}
+
+/// The mesh after what was asked for and, where nothing else is wrong with it, with its bow-ties split, as every
+/// command does.
+RepairedMesh repaired_for_info(const MeshFile& file, const RepairOptions& asked, std::vector<Remark>& remarks) {
+  RepairOptions options = asked;
+  options.bow_ties = false;
+  RepairedMesh out = repair_mesh(file.V, file.F, options);
+  const std::vector<DefectReport> defects = find_defects(out.F, out.V.rows());
+  if (defects.size() == 1 && defects.front().defect == Defect::non_manifold_vertex) {
+    options.bow_ties = true;
+    out = repair_mesh(file.V, file.F, options);
+  }
+  add_remarks(out.steps, remarks);
+  return out;
 }
 
 Outcome run(const MeshChoice& choice, Progress& progress) {
@@ -139,30 +168,34 @@ Outcome run(const MeshChoice& choice, Progress& progress) {
   const MeshFile file = read_choice(choice);
   progress.phase(fmt::format("checking {} faces", grouped(file.F.rows())));
   std::vector<Remark> remarks;
-  const Faces F = apply_repairs(file.V, file.F, choice.repairs, remarks);
-  const std::vector<DefectReport> topological = find_defects(F, file.V.rows());
-  const std::vector<DefectReport> geometric = find_defects(file.V, F);
+  const RepairedMesh repaired = repaired_for_info(file, choice.repair, remarks);
+  const Positions<double>& V = repaired.V;
+  const Faces& F = repaired.F;
+  const std::vector<DefectReport> topological = find_defects(F, V.rows());
+  const std::vector<DefectReport> geometric = find_defects(V, F);
   std::optional<Mesh> mesh;
   std::optional<Topology> topology;
   if (topological.empty()) {
     if (geometric.empty()) {
-      const Surface surface(file.V, F);
+      const Surface surface(V, F);
       mesh = surface.mesh();
       topology = surface.topology();
       for (Remark& r : mesh_remarks(surface)) remarks.push_back(std::move(r));
     } else {
-      mesh.emplace(F, file.V.rows());
+      mesh.emplace(F, V.rows());
       topology.emplace(find_topology(*mesh));
     }
   }
   const bool fit = topological.empty() && geometric.empty();
   Json report = report_head("info", fit);
   report["input"] = input_json(choice.path, file);
-  report["mesh"] = mesh_part(measure(file.V, F), mesh, topology);
+  report["mesh"] = mesh_part(measure(V, F), mesh, topology);
   report["components"] = components_part(topology);
   report["defects"] = defects_json(topological);
   for (Json& d : defects_json(geometric)) report["defects"].push_back(std::move(d));
-  report["repairs_that_help"] = fit ? std::vector<std::string>{} : helpful_repairs(file.V, F);
+  const std::vector<std::string> helpful = fit ? std::vector<std::string>{} : helpful_repairs(V, F);
+  report["repairs_that_help"] = helpful;
+  report["command_that_works"] = helpful.empty() ? Json(nullptr) : Json(command_with(choice, helpful));
   report["warnings"] = remarks_json(remarks, true);
   report["notes"] = remarks_json(remarks, false);
 

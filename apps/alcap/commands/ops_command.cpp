@@ -58,15 +58,17 @@ struct Loaded {
 };
 
 /// The field in the file's mesh must be a field on this mesh.
-void check_same_mesh(const OpsOptions& options, const MeshFile& file, const FieldFile& field) {
-  const bool same = file.V.rows() == field.V.rows() && file.F.rows() == field.F.rows();
-  if (same && (file.V - field.V).cwiseAbs().maxCoeff() <= 1e-6 * file.V.cwiseAbs().maxCoeff()) return;
+void check_same_mesh(const OpsOptions& options, const Surface& surface, const FieldFile& field) {
+  const Positions<double>& V = surface.V();
+  const Faces& F = surface.F();
+  const bool same = V.rows() == field.V.rows() && F.rows() == field.F.rows();
+  if (same && (V - field.V).cwiseAbs().maxCoeff() <= 1e-6 * V.cwiseAbs().maxCoeff()) return;
   throw Failure(
       Exit::input,
       fmt::format("{} holds a field on another mesh ({} vertices, {} faces) than {} ({}, {}); give the mesh it "
                   "was computed on",
-                  options.field.string(), field.V.rows(), field.F.rows(), options.mesh.path.string(), file.V.rows(),
-                  file.F.rows()),
+                  options.field.string(), field.V.rows(), field.F.rows(), options.mesh.path.string(), V.rows(),
+                  F.rows()),
       {{"path", options.field.string()}});
 }
 
@@ -131,9 +133,9 @@ Loaded load(const OpsOptions& options, Progress& progress) {
   progress.phase("reading");
   out.file = read_choice(options.mesh);
   const FieldFile field = read_field(options.field);
-  check_same_mesh(options, out.file, field);
-  out.how = choose_connection(options, field);
   const Surface surface = make_surface(options.mesh, out.file, out.remarks);
+  check_same_mesh(options, surface, field);
+  out.how = choose_connection(options, field);
 
   progress.phase("finding the connection");
   out.surface = connect(surface, out.how);

@@ -65,6 +65,10 @@ Option* Option::expected(int count) {
   of(option_)->expected(count);
   return this;
 }
+Option* Option::expected(int least, int most) {
+  of(option_)->expected(least, most);
+  return this;
+}
 Option* Option::check(const IsMember& allowed) {
   of(option_)->check(CLI::IsMember(allowed.values));
   return this;

@@ -54,6 +54,7 @@ class Option {
   Option* delimiter(char between);
   Option* allow_extra_args(bool value);
   Option* expected(int count);
+  Option* expected(int least, int most);
   Option* check(const IsMember& allowed);
   Option* check(const Range& allowed);
   Option* check(Positive);

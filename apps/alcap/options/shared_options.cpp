@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <map>
+#include <string_view>
 
 #include "alcap/design_file.h"
 #include "alcap/solve.h"
@@ -41,20 +41,47 @@ Cone parse_cone(const std::string& text) {
   return cone;
 }
 
+void add_repair(const std::string& text, RepairOptions& repair) {
+  constexpr std::string_view tolerance = "weld:";
+  if (text.starts_with(tolerance)) {
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data() + tolerance.size(), end, repair.weld_tolerance);
+    if (error != std::errc() || stop != end || !(repair.weld_tolerance > 0 && repair.weld_tolerance <= 0.1))
+      throw cli::ValidationError("--repair", text + ": the tolerance is a number above 0 and at most 0.1");
+    repair.repairs.push_back(Repair::weld);
+    return;
+  }
+  const auto known = from_name<Repair>(text);
+  if (!known) {
+    std::string names;
+    for (const auto& [value, name] : NamesOf<Repair>::table) names += (names.empty() ? "" : ",") + std::string(name);
+    throw cli::ValidationError("--repair", text + " not in {" + names + ",weld:X}");
+  }
+  repair.repairs.push_back(*known);
+}
+
 }  // namespace
+
+double feature_angle(const std::string& text) {
+  if (text.empty()) return SharpEdgeOptions{}.angle;
+  double degrees = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
+  if (error != std::errc() || stop != text.data() + text.size() || !(degrees > 0 && degrees <= 180))
+    throw cli::ValidationError("--align-features", text + " is no angle in degrees, above 0 and at most 180");
+  return degrees * pi<double> / 180;
+}
 
 void add_mesh_options(cli::App& app, MeshChoice& choice) {
   app.add_option("mesh", choice.path, "Triangle mesh: OBJ, OFF, PLY or STL")->required()->type_name("MESH");
-  const std::map<std::string, Repair> repairs{{"orient", Repair::orient}, {"weld", Repair::weld}};
   app.add_option_function<std::vector<std::string>>(
          "--repair",
-         [&choice, repairs](const std::vector<std::string>& names) {
-           for (const std::string& n : names) choice.repairs.push_back(repairs.at(n));
+         [&choice](const std::vector<std::string>& names) {
+           for (const std::string& n : names) add_repair(n, choice.repair);
          },
-         "orient: turn faces so that neighbours agree; weld: join vertices at the same position. "
-         "May be given twice; numbers never change")
+         "weld: join vertices at the same position, weld:X: within X diagonals of the mesh; degenerate: remove or flip "
+         "faces without area; duplicates: remove faces given twice; split: cut along edges of more than two faces; "
+         "orient: turn faces so that neighbours agree; auto: what is needed. Repeat it; vertices keep their numbers")
       ->type_name("REPAIR")
-      ->check(cli::IsMember({"orient", "weld"}))
       ->delimiter(',')
       ->allow_extra_args(false)
       ->group("Mesh");
@@ -80,11 +107,22 @@ MeshFile read_choice(const MeshChoice& choice) {
 }
 
 Surface make_surface(const MeshChoice& choice, MeshFile& file, std::vector<Remark>& remarks) {
-  Faces F = apply_repairs(file.V, file.F, choice.repairs, remarks);
-  if (choice.lengths.empty()) return {std::move(file.V), std::move(F)};
-  Mesh mesh(std::move(F), file.V.rows());
+  if (choice.lengths.empty()) {
+    RepairedSurface repaired = repaired_surface(std::move(file.V), std::move(file.F), choice.repair);
+    remarks.insert(remarks.end(), repaired.remarks.begin(), repaired.remarks.end());
+    return std::move(repaired.surface);
+  }
+  RepairedMesh repaired = repair_mesh(std::move(file.V), std::move(file.F), choice.repair);
+  add_remarks(repaired.steps, remarks);
+  Mesh mesh(std::move(repaired.F), repaired.V.rows());
   const VectorX<double> lengths = read_edge_lengths(choice.lengths, mesh);
-  return Surface::from_lengths(std::move(mesh), lengths, std::move(file.V));
+  return Surface::from_lengths(std::move(mesh), lengths, std::move(repaired.V));
+}
+
+void add_remarks(const std::vector<RepairStep>& steps, std::vector<Remark>& remarks) {
+  for (const RepairStep& step : steps)
+    remarks.push_back(
+        {.code = step.code, .warning = false, .message = step.message, .count = step.count, .first = step.first});
 }
 
 namespace {

@@ -19,7 +19,7 @@ struct MeshChoice {
   std::filesystem::path path = {};
   std::string format = {};       // by content
   bool refuse_polygons = false;  // quads are common; triangulating them is rarely wrong
-  std::vector<Repair> repairs = {};
+  RepairOptions repair = {};
   std::filesystem::path lengths = {};  // none: as far apart as the vertices are
 };
 
@@ -32,12 +32,8 @@ void add_mesh_options(cli::App& app, MeshChoice& choice);
 /// Reads the mesh. Throws FileError.
 [[nodiscard]] MeshFile read_choice(const MeshChoice& choice);
 
-/// The surface of a mesh that was read, after the repairs asked for and with the edge lengths asked for. Takes the
-/// file's arrays. Appends what the repairs did. Throws MeshError, FileError, OptionError.
-[[nodiscard]] Surface make_surface(const MeshChoice& choice, MeshFile& file, std::vector<Remark>& remarks);
-
-/// Adds --connection, --cone, --cones, --holonomy, --loop-index, --target and --hold-curvature, which say what
-/// connection it is, and those of add_weight_options().
+RepairOptions repair = {};
+std::filesystem::path lengths = {};  // none: as far apart as the vertices are
 void add_connection_options(cli::App& app, ConnectionOptions& options);
 
 /// The connection to look at a field with: as the flags of add_connection_options() say, or, where none says what

@@ -11,7 +11,11 @@ using Row = std::pair<std::string_view, std::string_view>;
 
 // What messages of the library name, and what does it on the command line.
 constexpr auto words = std::to_array<Row>({
-    {"Repair::weld", "--repair weld"},
+    {"Repair::weld", "--repair weld"},  // before the longer ones that begin with it: what follows stays
+    {"Repair::degenerate", "--repair degenerate"},
+    {"Repair::duplicates", "--repair duplicates"},
+    {"Repair::split", "--repair split"},
+    {"Repair::automatic", "--repair auto"},
     {"Repair::orient", "--repair orient"},
     {"repair_weld()", "--repair weld"},
     {"repair_orientation()", "--repair orient"},

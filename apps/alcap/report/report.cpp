@@ -75,6 +75,7 @@ Json modes_json(const EigenModes& modes) {
 
 /// Of several components: eigenvalues of the largest one, the worst residual, all iterations.
 Json eigen_summary(const FieldRun& run, const FieldRunOptions& options) {
+  if (run.features) return nullptr;
   const auto& parts = run.topology().components;
   const auto largest = static_cast<std::size_t>(
       std::max_element(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.faces < b.faces; }) -
@@ -111,6 +112,68 @@ Json singularity_json(const Singularity& s, const Eigen::RowVector3d& xyz, Index
           {"component", component}};
 }
 
+Json component_eigen(const FieldRun& run, std::size_t c) {
+  if (!run.features) return eigen_json(run.eigen.at(c));
+  const auto& eigen = run.features->pieces.at(c).eigen;
+  return eigen ? eigen_json(*eigen) : Json(nullptr);
+}
+
+Json deviation_json(const LineDeviation& line) {
+  return {{"edges", line.edges},
+          {"corner_edges", line.corner_edges},
+          {"length", number(line.length)},
+          {"mean_degrees", number(line.mean_degrees)},
+          {"p95_degrees", number(line.p95_degrees)},
+          {"worst_degrees", number(line.worst_degrees)},
+          {"corner_worst_degrees", number(line.corner_worst_degrees)},
+          {"singularities", line.singularities}};
+}
+
+Json piece_json(const AlignedPiece& piece) {
+  Json steps = Json::array();
+  for (const AlignedStep& step : piece.steps)
+    steps.push_back({{"tau", number(step.tau)},
+                     {"energy", number(step.energy)},
+                     {"largest_degrees", number(step.largest_degrees)},
+                     {"rms_degrees", number(step.rms_degrees)}});
+  return {{"held", piece.held},       {"drawn_edges", piece.rows},          {"lambda", number(piece.lambda)},
+          {"settled", piece.settled}, {"residual", number(piece.residual)}, {"solver", piece.solver},
+          {"steps", std::move(steps)}};
+}
+
+/// What a field was aligned with, and how well.
+Json alignment_json(const FieldRun& run, const FieldAlignment& align) {
+  const FieldFeatures& features = *run.features;
+  Json lines = Json::array(), pieces = Json::array();
+  for (std::size_t k = 0; k < features.graph.lines.size(); ++k) {
+    const FeatureLine& line = features.graph.lines[k];
+    Json json{{"from", line.vertices.front()}, {"to", line.vertices.back()}, {"closed", line.closed}};
+    json.update(deviation_json(features.report.lines.at(k)));
+    lines.push_back(std::move(json));
+  }
+  std::int64_t steps = 0;
+  for (const AlignedPiece& piece : features.pieces) {
+    steps += integer(piece.steps.size());
+    pieces.push_back(piece_json(piece));
+  }
+  const auto corners =
+      std::count(features.graph.vertices.begin(), features.graph.vertices.end(), FeatureVertex::corner);
+  return {{"angle_degrees", number(align.features.angle * 180 / pi<double>)},
+          {"boundary", align.features.boundary},
+          {"across", align.across},
+          {"weight", number(align.weight)},
+          {"edges", features.graph.edges.size()},
+          {"corners", corners},
+          {"free_corners", features.free_corners.size()},
+          {"all", deviation_json(features.report.all)},
+          {"singularities_at_corners", features.report.singularities_at_corners},
+          {"steps", steps},
+          {"settled", run.certificate.directions_settled},
+          {"followed", features.followed},
+          {"lines", std::move(lines)},
+          {"pieces", std::move(pieces)}};
+}
+
 Json components_json(const FieldRun& run) {
   const auto& parts = run.topology().components;
   std::vector<double> area(parts.size(), 0.0);
@@ -137,7 +200,7 @@ Json components_json(const FieldRun& run) {
                       {"genus", part.genus},
                       {"area", number(area[c])},
                       {"first_face", part.first_face}}},
-                    {"eigen", eigen_json(run.eigen.at(c))},
+                    {"eigen", component_eigen(run, c)},
                     {"singularities",
                      {{"count", singular[c]},
                       {"index_sum", run.index_sums.at(c).sum},
@@ -345,7 +408,7 @@ Json times_json(const FieldTimes& times, const RunSeconds& seconds) {
 Json field_report(const std::filesystem::path& path, const MeshFile& file, const FieldRun& run,
                   const FieldRunOptions& options) {
   const Certificate& certificate = run.certificate;
-  Json report = report_head("field", certificate.holds());
+  Json report = report_head("field", certificate.holds() && !(run.features && !run.features->followed));
   report["input"] = input_json(path, file);
   report["options"] = options_json(options);
   report["mesh"] = mesh_json(run.surface);
@@ -360,6 +423,12 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
                            {"index_sums_match", certificate.index_sums_match},
                            {"finite", certificate.finite},
                            {"smallest", name(certificate.smallest)}};
+  if (run.features) {
+    report["certified"] = certificate.holds();
+    report["certificate"]["directions_settled"] = certificate.directions_settled;
+    report["alignment"] = alignment_json(run, *options.align);
+  }
+  report["repaired"] = {{"copies_of", run.copies_of}, {"face_of", run.face_of}};
   report["warnings"] = remarks_json(run.remarks, true);
   report["notes"] = remarks_json(run.remarks, false);
   report["peak_memory_bytes"] = peak_memory_bytes();
@@ -368,6 +437,24 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
 
 std::string summary_line(std::string_view label, const std::string& value) {
   return fmt::format("{:<14}{}\n", label, value);
+}
+
+std::string alignment_summary(const Json& alignment, int n) {
+  const Json& all = alignment["all"];
+  const auto count = [](const Json& value) { return grouped(value.get<std::int64_t>()); };
+  const std::int64_t edges = all["edges"].get<std::int64_t>() + all["corner_edges"].get<std::int64_t>();
+  std::string text = summary_line(
+      "field", fmt::format("n = {}, {} features: {} steps, {}", n, alignment["across"].get<bool>() ? "across" : "along",
+                           count(alignment["steps"]), alignment["settled"].get<bool>() ? "settled" : "not settled"));
+  text += summary_line("features", fmt::format("{} edges in {} lines, {} corners ({} free)", grouped(edges),
+                                               grouped(integer(alignment["lines"].size())), count(alignment["corners"]),
+                                               count(alignment["free_corners"])));
+  return text + summary_line("deviation",
+                             fmt::format("mean {}, 95 % below {}, worst {} degrees off corners; {} at "
+                                         "corners; {} singularities on features, {} at corners",
+                                         short_text(all["mean_degrees"]), short_text(all["p95_degrees"]),
+                                         short_text(all["worst_degrees"]), short_text(all["corner_worst_degrees"]),
+                                         count(all["singularities"]), count(alignment["singularities_at_corners"])));
 }
 
 std::string short_text(const Json& value) {

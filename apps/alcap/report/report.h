@@ -48,6 +48,8 @@ struct RunSeconds {
 /// The report of `alcap field` without its `files`.
 [[nodiscard]] Json field_report(const std::filesystem::path& path, const MeshFile& file, const FieldRun& run,
                                 const FieldRunOptions& options);
+/// The lines of a summary that say how features are followed.
+[[nodiscard]] std::string alignment_summary(const Json& alignment, int n);
 /// Its `times`.
 [[nodiscard]] Json times_json(const FieldTimes& times, const RunSeconds& seconds);
 

@@ -120,9 +120,9 @@ class Problem {
   }
 
   /// The smoothest field of a component without constraints, of root mean square length 1.
-  [[nodiscard]] EigenResult smoothest(std::size_t c, const std::string& solver) const {
+  [[nodiscard]] EigenResult smoothest(std::size_t c, const EigenOptions& options) const {
     EigenResult result = smallest_eigenpair(diagonal_block(L_, vertices_[c], local_),
-                                            diagonal_block(M_, vertices_[c], local_), areas_[c], {.solver = solver});
+                                            diagonal_block(M_, vertices_[c], local_), areas_[c], options);
     result.u *= std::sqrt(areas_[c]);
     return result;
   }
@@ -156,7 +156,7 @@ class Relaxation {
  public:
   Relaxation(const Block& block, const AlignedOptions& options, AlignedPiece& piece)
       : block_(block), options_(options), piece_(piece), size_(block.L.rows()) {
-    solver_ = make_linear_solver<C>({.name = options.solver, .tolerance = solve_tolerance});
+    solver_ = make_linear_solver<C>({.name = options.eigen.solver, .tolerance = solve_tolerance});
     solver_->set_transport(block.M);
     solver_->analyse(block.L);
   }
@@ -289,7 +289,7 @@ void solve_piece(const Problem& problem, std::size_t c, const AlignedOptions& op
                  ComplexVectorX<double>& u) {
   const std::vector<Index>& vertices = problem.vertices(c);
   if (piece.held == 0 && piece.rows == 0) {
-    EigenResult smooth = problem.smoothest(c, options.solver);
+    EigenResult smooth = problem.smoothest(c, options.eigen);
     for (std::size_t k = 0; k < vertices.size(); ++k) u[vertices[k]] = smooth.u[static_cast<Eigen::Index>(k)];
     piece.settled = true;
     piece.residual = smooth.report.residual;
@@ -348,7 +348,10 @@ AlignedResult solve(const ConnectedSurface& surface, const FeatureGraph& feature
 AlignedResult aligned_field(const ConnectedSurface& surface, const FeatureGraph& features,
                             const AlignedOptions& options) {
   check(surface, features, options);
-  return controlled(options.control, [&] { return solve(surface, features, options); });
+  return controlled(options.control, [&] {
+    const detail::ControlScope eigen(options.eigen.cancel);
+    return solve(surface, features, options);
+  });
 }
 
 }  // namespace alcap
