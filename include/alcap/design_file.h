@@ -23,6 +23,7 @@
 
 #include "alcap/connected_surface.h"
 #include "alcap/designer.h"
+#include "alcap/sharp_edges.h"
 
 namespace alcap {
 
@@ -251,6 +252,10 @@ struct DesignControl {
 /// has the connection of the design. Throws OptionError when a direction has no part in the tangent plane or a stroke
 /// cannot be traced.
 [[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface);
+
+/// A stroke along every feature line, named "feature line 0", "feature line 1", ...: soft alignment with creases, for
+/// designs of even n. For fields held along them see aligned.h.
+[[nodiscard]] std::vector<DesignStroke> feature_strokes(const FeatureGraph& features, double weight = 1);
 
 /// +1 or -1, in n-ths.
 [[nodiscard]] int index_of(SingularityKind kind);

@@ -42,7 +42,8 @@ class ConnectedSurface;
 struct DesignerOptions {
   int n = 1;  ///< 1 vector field, 2 line field, 4 cross field
   /// Weight of the guidance field, in units of 2 lambda_min of a round sphere of the same area: 1 weighs closeness to
-  /// u0 like smoothness. 0: no guidance; the system is then singular on flat and trivial connections, which is refused.
+  /// u0 like smoothness. 0: no guidance; on flat and trivial connections the field must then be held or drawn
+  /// somewhere (pins, fixed vertices, strokes, boundary): targets alone do not determine it.
   double guidance_weight = 0;
   /// The guidance field in the form of Knoeppel et al. 2013, (S - lambda_t M) u = M u0, instead of guidance_weight: t
   /// is lambda_t in units of lambda_min of a round sphere of the same area. -1 is guidance_weight = 1, smaller is
@@ -72,7 +73,7 @@ struct DesignResult {
   std::vector<ControlReport> controls;  ///< in the order of their ids
   int rows = 0;                         ///< low-rank rows in this solve
   int solves = 0;                       ///< right-hand sides solved for by this call
-  double residual = 0;                  ///< relative residual of the solution before the rows, recomputed
+  double residual = 0;                  ///< relative residual of the system with its rows, recomputed
   std::string solver;                   ///< the linear backend and its choices
   double seconds = 0;                   ///< wall clock
 };
@@ -80,8 +81,8 @@ struct DesignResult {
 /// A design that is prepared once and edited cheaply, see the top of this file.
 class Designer {
  public:
-  /// Shares the surface. Throws OptionError for bad options, for t not below lambda_1, for a system that is singular (a
-  /// parallel field exists and there is no guidance weight), and on a surface that lies in no space.
+  /// Shares the surface. Throws OptionError for bad options, for t not below lambda_1, and on a surface that lies in
+  /// no space.
   explicit Designer(const ConnectedSurface& surface, const DesignerOptions& options = {});
   ~Designer();
   Designer(Designer&&) noexcept;
@@ -118,7 +119,9 @@ class Designer {
   /// int |sum_i sqrt(weights_i) Psi_i (u_i - u0_i)|^2. A numeric factorisation. Throws OptionError.
   void set_guidance_weights(const VectorX<double>& weights);
 
-  /// Solves the design. Without any control or guidance the answer would be zero: throws OptionError instead.
+  /// Solves the design. Without any control or guidance the answer would be zero: throws OptionError instead, and where
+  /// the system is singular: the connection has parallel fields, and there is neither a guidance weight nor a row that
+  /// holds or draws the field. Connected pieces that no row touches are then drawn towards zero.
   [[nodiscard]] DesignResult solve();
 
  private:

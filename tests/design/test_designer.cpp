@@ -203,7 +203,9 @@ TEST_CASE("after 200 random edits the field is the one solved from scratch") {
 
 TEST_CASE("singular systems, empty designs and bad controls are refused with the reason") {
   const Case sphere(icosphere(2)), flat(disk(4));
-  CHECK_THROWS_AS((void)flat.designer({.n = 1}), OptionError);
+  auto lone = flat.designer({.n = 1});
+  (void)lone.add(SingularityTarget{.face = 7});
+  CHECK_THROWS_AS((void)lone.solve(), OptionError);
   CHECK_NOTHROW((void)flat.designer({.n = 1, .guidance_weight = 1}));
   const auto parallel = trivial(sphere.mesh, sphere.geometry, {{0, 1}, {11, 1}}, {.n = 1});
   CHECK_NOTHROW((void)Designer({Surface(sphere.surface.V, sphere.surface.F), parallel}, {.n = 1}));
@@ -241,7 +243,9 @@ TEST_CASE("a design solved once: multigrid gives the field of the factorisation,
     for (const ControlReport& c : results.back().controls) CHECK(c.met);
     CHECK(results.back().residual < 1e-9);
     // A flat disk has parallel fields.
-    CHECK_THROWS_AS((void)flat.designer({.n = 1, .right_hand_sides = right_hand_sides}), OptionError);
+    auto parallel = flat.designer({.n = 1, .right_hand_sides = right_hand_sides});
+    (void)parallel.add(SingularityTarget{.face = 77});
+    CHECK_THROWS_AS((void)parallel.solve(), OptionError);
   }
   CHECK(results[0].solver != "multigrid");
   CHECK(results[1].solver == "multigrid");
@@ -286,4 +290,86 @@ TEST_CASE("a traced line aligns the field in every face it crosses, however few 
   SurfacePolyline broken = line;
   broken.segments[3].face = -1;
   CHECK_THROWS_AS(designer.add(Stroke{.line = broken}), OptionError);
+}
+
+TEST_CASE("where parallel fields exist, whatever holds or draws the field makes the design regular") {
+  const Case flat(grid(12, 10));
+  const Index middle = 5 * 13 + 6;
+  REQUIRE_FALSE(flat.mesh.boundary_vertex(middle));
+  // One fixed vertex: the field is parallel, by hand.
+  for (const int n : {1, 2, 4}) {
+    auto designer = flat.designer({.n = n});
+    const C value = std::polar(2.0, 0.7);
+    const auto id = designer.add(VertexConstraint{.vertex = middle, .value = value});
+    const DesignResult result = designer.solve();
+    CHECK(result.controls.at(0).met);
+    CHECK(result.residual < 1e-9);
+    CHECK(result.residual > 0);
+    const ComplexVectorX<double> u = result.field.u;
+    CHECK(std::abs(field_energies(flat.connected(), n, u).dirichlet) < 1e-16 * u.squaredNorm() + 1e-12);
+    CHECK(u.cwiseAbs().minCoeff() == doctest::Approx(2).epsilon(1e-6));
+    CHECK(u.cwiseAbs().maxCoeff() == doctest::Approx(2).epsilon(1e-6));
+    // Turned, and its direction alone: a target decides the rest.
+    designer.set(id, VertexConstraint{.vertex = middle, .value = std::polar(1.0, -0.4), .direction_only = true});
+    (void)designer.add(SingularityTarget{.face = 30, .sign = -1});
+    const DesignResult free = designer.solve();
+    CHECK(free.residual < 1e-9);
+    CHECK(std::abs(std::sin(std::arg(free.field.u[middle]) + 0.4)) < 1e-6);
+    // The same with a little guidance towards zero is nearly the same field.
+    auto guided = flat.designer({.n = n, .guidance_weight = 1e-7});
+    (void)guided.add(VertexConstraint{.vertex = middle, .value = std::polar(1.0, -0.4), .direction_only = true});
+    (void)guided.add(SingularityTarget{.face = 30, .sign = -1});
+    const DesignResult near = guided.solve();
+    const ComplexVectorX<double> away = free.field.u - near.field.u;
+    CHECK(away.norm() <= 1e-3 * free.field.u.norm());
+  }
+  // Two fixed vertices with a target, against a direct solve with those rows left out of the matrix.
+  auto two = flat.designer({.n = 4});
+  (void)two.add(VertexConstraint{.vertex = middle, .value = 1});
+  (void)two.add(VertexConstraint{.vertex = 3, .value = C(0, 1)});
+  const ComplexVectorX<double> u = two.solve().field.u;
+  const StiffnessMass parts = energy_matrices(flat.connected(), 4);
+  ComplexVectorX<double> rest = parts.S * u;
+  rest[middle] = rest[3] = 0;
+  CHECK(rest.norm() < 1e-9 * u.norm());
+  CHECK(std::abs(u[middle] - C(1)) < 1e-9);
+  CHECK(std::abs(u[3] - C(0, 1)) < 1e-9);
+}
+
+TEST_CASE(
+    "boundary alignment alone on a flat square: no singularities; a control that goes leaves the design as it was") {
+  const Case flat(grid(14, 14));
+  auto designer = flat.designer({.n = 4});
+  const auto rim = designer.add(BoundaryAlignment{});
+  const DesignResult aligned = designer.solve();
+  CHECK(aligned.controls.at(0).met);
+  CHECK(find_singularities(flat.connected(), aligned.field).empty());
+  const auto id = designer.add(VertexConstraint{.vertex = 100, .value = 1});
+  CHECK(designer.solve().controls.at(1).met);
+  designer.remove(id);
+  CHECK((designer.solve().field.u - aligned.field.u).norm() < 1e-9 * aligned.field.u.norm());
+  designer.remove(rim);
+  (void)designer.add(SingularityTarget{.face = 9});
+  CHECK_THROWS_AS((void)designer.solve(), OptionError);
+  designer.set_guidance_weight(0.5);
+  CHECK_NOTHROW((void)designer.solve());
+}
+
+TEST_CASE("a flat piece beside the one that is designed does not stop the design") {
+  const MeshData plate = grid(6, 6), ball = jittered_sphere(3, 0.1, 4);
+  MeshData both{Positions<double>(ball.V.rows() + plate.V.rows(), 3), Faces(ball.F.rows() + plate.F.rows(), 3)};
+  both.V << ball.V, plate.V;
+  both.F << ball.F, (plate.F.array() + static_cast<Index>(ball.V.rows())).matrix();
+  const Case s(both);
+  auto designer = s.designer({.n = 4});
+  (void)designer.add(SingularityTarget{.face = 12, .sign = 1});
+  (void)designer.add(SingularityTarget{.face = 700, .sign = -1, .pin = std::array<double, 3>{0.3, 0.3, 0.4}});
+  const DesignResult result = designer.solve();
+  for (const ControlReport& c : result.controls) CHECK(c.met);
+  const Case alone(ball);
+  auto single = alone.designer({.n = 4});
+  (void)single.add(SingularityTarget{.face = 12, .sign = 1});
+  (void)single.add(SingularityTarget{.face = 700, .sign = -1, .pin = std::array<double, 3>{0.3, 0.3, 0.4}});
+  const ComplexVectorX<double> u = single.solve().field.u;
+  CHECK(std::abs(result.field.u.head(u.size()).norm() - u.norm()) < 0.2 * u.norm());
 }

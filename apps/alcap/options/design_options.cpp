@@ -270,6 +270,12 @@ void add_alignment_options(cli::App& app, DesignFlags& flags) {
          "--align-boundary", [&flags](std::int64_t) { flags.boundary = {.wanted = true}; },
          "The field runs along the boundary")
       ->group("Controls");
+  app.add_option_function<std::string>(
+         "--align-features", [&flags](const std::string& text) { flags.features = feature_angle(text); },
+         "Strokes along all edges that fold by ANGLE degrees (default 40); after MESH, or with =ANGLE")
+      ->type_name("ANGLE")
+      ->expected(0, 1)
+      ->group("Controls");
   app.add_flag_function(
          "--align-boundary-normal", [&flags](std::int64_t) { flags.boundary = {.wanted = true, .normal = true}; },
          "The field runs into the boundary at a right angle")
@@ -339,6 +345,15 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
 }
 
+void add_feature_strokes(const DesignFlags& flags, const Surface& surface, DesignFile& design) {
+  if (!flags.features) return;
+  if (design.n % 2 != 0)
+    throw Failure(Exit::usage, "--align-features needs an even -n: a feature has no sense of direction",
+                  {{"option", "--align-features"}});
+  const FeatureGraph graph = sharp_edges(surface, {.angle = *flags.features, .boundary = false});
+  for (DesignStroke& stroke : feature_strokes(graph, 1)) design.strokes.push_back(std::move(stroke));
+}
+
 DesignFile make_design(const DesignFlags& flags) {
   DesignFile design;
   if (!flags.file.empty()) design = read_design(flags.file);
@@ -369,7 +384,7 @@ DesignFile make_design(const DesignFlags& flags) {
   for (const DesignEdit& e : flags.edits) design.edits.push_back(e);
   check_design(design);
   const bool nothing = design.singularities.empty() && design.fixed.empty() && design.strokes.empty() &&
-                       !design.boundary.wanted && design.method != DesignMethod::eigen &&
+                       !design.boundary.wanted && !flags.features && design.method != DesignMethod::eigen &&
                        (design.guidance.source == DesignGuidance::Source::none ||
                         design.guidance.source == DesignGuidance::Source::zero);
   if (nothing)

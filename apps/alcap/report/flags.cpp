@@ -32,6 +32,7 @@ constexpr auto fields = std::to_array<Row>({
     {"s", "--energy"},
     {"cones", "--cone"},
     {"detail", "--detail"},
+    {"guidance_weight", "--guidance"},
     {"tolerance", "--tolerance"},
     {"modes", "--modes"},
     {"count", "--modes"},

@@ -93,6 +93,14 @@ std::string detail::label(const DesignStroke& s, std::size_t number) {
   return s.name.empty() ? "stroke " + std::to_string(number) : s.name;
 }
 
+std::vector<DesignStroke> feature_strokes(const FeatureGraph& features, double weight) {
+  std::vector<DesignStroke> strokes;
+  for (const FeatureLine& line : features.lines)
+    strokes.push_back(
+        {.name = "feature line " + std::to_string(strokes.size()), .vertices = line.vertices, .weight = weight});
+  return strokes;
+}
+
 DesignFile place_design(const DesignFile& design, const Surface& surface) {
   const Mesh& mesh = surface.mesh();
   const Positions<double>& V = surface.positions();

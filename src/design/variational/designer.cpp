@@ -28,7 +28,7 @@ constexpr std::size_t live_targets = 8;
 }  // namespace
 
 void Designer::State::touched(const ControlLoad& load) {
-  soft_changed |= load.soft();
+  soft_changed |= load.soft() || (singular && !load.rows.empty());
   if (load.target()) common.resize(0, 0);
 }
 
@@ -83,7 +83,7 @@ void Designer::set(ControlId id, Control control) {
     return a.vertex == b.vertex && a.coefficient == b.coefficient;
   };
   if (!std::equal(load.rows.begin(), load.rows.end(), p.load.rows.begin(), p.load.rows.end(), same)) p.forget_rows();
-  s.soft_changed |= load.soft() || p.load.soft();
+  s.soft_changed |= load.soft() || p.load.soft() || (s.singular && !(load.rows.empty() && p.load.rows.empty()));
   if (load.parts != p.load.parts) p.own.resize(0);
   if (p.live_since == 0) {
     if (p.load.target()) s.common.resize(0, 0);
@@ -99,7 +99,7 @@ void Designer::remove(ControlId id) {
   State& s = *state_;
   const auto at = s.prepared.find(id);
   if (at == s.prepared.end()) throw OptionError("id", static_cast<int>(id), "there is no such control");
-  s.soft_changed |= at->second.load.soft();
+  s.soft_changed |= at->second.load.soft() || (s.singular && !at->second.load.rows.empty());
   if (at->second.load.target() && at->second.live_since == 0) s.common.resize(0, 0);
   s.prepared.erase(at);
   s.controls.erase(id);
@@ -198,8 +198,8 @@ DesignResult Designer::solve() {
     s.factorise();
     result.field.n = s.options.n;
     result.field.frames = s.frames;
-    s.solve_loads(result);
-    s.apply_rows(result);
+    const ComplexVectorX<double> load = s.solve_loads(result);
+    s.apply_rows(load, result);
     result.solver = s.solver->name();
     s.tell("analysis");
     for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));

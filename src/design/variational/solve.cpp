@@ -74,14 +74,18 @@ ComplexVectorX<double> Designer::State::common_load() const {
   ComplexVectorX<double> b = guidance;
   for (const auto& [id, p] : prepared) {
     if (p.load.target() && p.live_since == 0) add_target(p.load, p.load.density, b);
-    if (!folded || !p.load.soft()) continue;
-    for (const ControlRow& row : p.load.rows)
-      for (std::size_t c = 0; c < 3; ++c) b[row.vertex[c]] += row.weight * std::conj(row.coefficient[c]) * row.target;
+    if (!(p.load.soft() ? folded : singular)) continue;
+    const double exact = p.load.soft() || p.load.rows.empty() ? 0 : anchor();
+    for (const ControlRow& row : p.load.rows) {
+      if (row.direction_only) continue;
+      const double weight = p.load.soft() ? row.weight : exact;
+      for (std::size_t c = 0; c < 3; ++c) b[row.vertex[c]] += weight * std::conj(row.coefficient[c]) * row.target;
+    }
   }
   return b;
 }
 
-void Designer::State::solve_loads(DesignResult& result) {
+ComplexVectorX<double> Designer::State::solve_loads(DesignResult& result) {
   ComplexVectorX<double> b = common_load();
   std::vector<Prepared*> live, missing;
   for (auto& [id, p] : prepared) {
@@ -106,6 +110,7 @@ void Designer::State::solve_loads(DesignResult& result) {
     add_target(p->load, p->load.density, b);
   }
   if (!b.isZero(0)) result.residual = residual<C>(A, result.field.u, b);
+  return b;
 }
 
 std::vector<Designer::State::RowGroup> Designer::State::collect_rows(DesignResult& result) {
@@ -119,10 +124,13 @@ std::vector<Designer::State::RowGroup> Designer::State::collect_rows(DesignResul
       const ControlRow& row = p.load.rows[k];
       const auto number = static_cast<Eigen::Index>(k);
       if (row.direction_only) {
-        group.rows.push_back({&row, number, C(0, -1) * std::conj(row.target) / std::abs(row.target), 0});
+        const C along = std::conj(row.target) / std::abs(row.target);
+        group.rows.push_back({&row, number, C(0, -1) * along, 0, 0});
+        // The length is free: what hold_kernel() weighs it with goes again.
+        if (singular) group.rows.push_back({&row, number, along, 0, -anchor()});
       } else {
-        group.rows.push_back({&row, number, 1, row.target.real()});
-        group.rows.push_back({&row, number, C(0, -1), row.target.imag()});
+        group.rows.push_back({&row, number, 1, row.target.real(), row.weight});
+        group.rows.push_back({&row, number, C(0, -1), row.target.imag(), row.weight});
       }
     }
     result.rows += static_cast<int>(p.load.rows.size());
@@ -148,37 +156,49 @@ VectorX<double> Designer::State::multipliers(const std::vector<RowGroup>& groups
       const RealRow& row = a.rows[i];
       const Eigen::Index at = a.first + static_cast<Eigen::Index>(i);
       missing[at] = (row.factor * row.row->at(u)).real() - row.target;
-      compliance[at] = row.row->weight > 0 ? 1 / row.row->weight : 0;
+      compliance[at] = row.weight != 0 ? 1 / row.weight : 0;
     }
   }
   const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 0; i < count; ++i) G(i, i) += compliance[i] > 0 ? compliance[i] : exact;
+  for (Eigen::Index i = 0; i < count; ++i) G(i, i) += compliance[i] != 0 ? compliance[i] : exact;
   return G.ldlt().solve(missing);
 }
 
-void Designer::State::apply_rows(DesignResult& result) {
+void Designer::State::apply_rows(const ComplexVectorX<double>& load, DesignResult& result) {
   const std::vector<RowGroup> groups = collect_rows(result);
   if (groups.empty()) return;
   const VectorX<double> mu = multipliers(groups, result.field.u);
-  ComplexVectorX<double> push;  // R' mu of the controls without columns
+  ComplexVectorX<double> all = ComplexVectorX<double>::Zero(mesh.vertices());  // R' mu
+  ComplexVectorX<double> push;                                                 // that of the controls without columns
   for (const RowGroup& group : groups) {
     const auto& rows = group.owner->load.rows;
     ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t i = 0; i < group.rows.size(); ++i)
       sum[group.rows[i].number] += mu[group.first + static_cast<Eigen::Index>(i)] * std::conj(group.rows[i].factor);
+    const auto add_to = [&](ComplexVectorX<double>& to) {
+      for (std::size_t k = 0; k < rows.size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c)
+          to[rows[k].vertex[c]] += std::conj(rows[k].coefficient[c]) * sum[static_cast<Eigen::Index>(k)];
+    };
+    add_to(all);
     if (group.owner->columns.cols() > 0) {
       result.field.u.noalias() -= group.owner->columns * sum;
       continue;
     }
     if (push.size() == 0) push = ComplexVectorX<double>::Zero(mesh.vertices());
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      for (std::size_t c = 0; c < 3; ++c)
-        push[rows[k].vertex[c]] += std::conj(rows[k].coefficient[c]) * sum[static_cast<Eigen::Index>(k)];
+    add_to(push);
   }
-  if (push.size() == 0) return;
-  MatrixX<C> X;
-  solve(push, X, result);
-  result.field.u -= X.col(0);
+  if (push.size() > 0) {
+    MatrixX<C> X;
+    solve(push, X, result);
+    result.field.u -= X.col(0);
+  }
+  // Of the whole system with its rows: A u + R' mu = b.
+  ComplexVectorX<double> rest(mesh.vertices());
+  hermitian_product(A, result.field.u.data(), rest.data());
+  rest += all - load;
+  const double size = load.norm() + all.norm();
+  if (size > 0) result.residual = std::max(result.residual, rest.norm() / size);
 }
 
 ControlReport Designer::State::judge(ControlId id, const Control& control, const Field& field) const {

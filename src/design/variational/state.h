@@ -75,7 +75,10 @@ struct Designer::State {
   bool folded = false;        // strokes are in A
   bool soft_changed = false;  // strokes have changed since A was made
   bool stale = false;         // A is not what is factorised
-  MatrixX<C> common;          // A^-1 of everything but live targets; no columns: unknown
+  // Without guidance and rows A would have a kernel of parallel fields. All rows are in it then: exact ones with a
+  // weight that their update makes irrelevant. Pieces that no row touches are drawn towards zero.
+  bool singular = false;
+  MatrixX<C> common;  // A^-1 of everything but live targets; no columns: unknown
 
   // The system: system.cpp.
   State(const ConnectedSurface& surface_, const DesignerOptions& options_);
@@ -103,6 +106,9 @@ struct Designer::State {
   // Whatever was solved with the last matrix.
   void forget();
   void factorise();
+  // What `singular` says.
+  void hold_kernel();
+  [[nodiscard]] double anchor() const;
   // Inverse iteration finds the energy of the smoothest field well enough to tell nothing from something.
   [[nodiscard]] bool is_singular() const;
   // Weights change the values of A only.
@@ -110,14 +116,17 @@ struct Designer::State {
   void reweight(Change&& change) {
     const DesignerOptions options_before = options;
     SparseMatrix<C> weighted_before = weighted;
+    const bool singular_before = singular;
     change();
     try {
-      make_matrix(folded);
+      singular = false;
+      make_matrix(folded && !singular_before);
       factorise();
     } catch (...) {
       const detail::CarriedScope whole(nullptr);
       options = options_before;
       weighted = std::move(weighted_before);
+      singular = singular_before;
       make_matrix(folded);
       throw;
     }
@@ -143,14 +152,15 @@ struct Designer::State {
   }
   // Right-hand side of guidance, folded strokes and the targets that are not live.
   [[nodiscard]] ComplexVectorX<double> common_load() const;
-  // The solution before the rows, from the common one and the live ones.
-  void solve_loads(DesignResult& result);
+  // The solution before the rows, from the common one and the live ones; returns its right-hand side.
+  ComplexVectorX<double> solve_loads(DesignResult& result);
   // A row as one or two real functionals Re(factor row.at(u)) = target.
   struct RealRow {
     const ControlRow* row;
     Eigen::Index number;  // of the row in its control
     C factor;
     double target;
+    double weight;  // 0: exact
   };
   // The rows of one control; the first one's number among all.
   struct RowGroup {
@@ -163,7 +173,7 @@ struct Designer::State {
   // mu of all rows, for the solution u before them.
   [[nodiscard]] static VectorX<double> multipliers(const std::vector<RowGroup>& groups,
                                                    const ComplexVectorX<double>& u);
-  void apply_rows(DesignResult& result);
+  void apply_rows(const ComplexVectorX<double>& load, DesignResult& result);
   [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field& field) const;
 
   // Controls: designer.cpp.

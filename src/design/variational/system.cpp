@@ -101,7 +101,35 @@ void Designer::State::make_matrix(bool fold) {
     }
   folded = fold;
   soft_changed = false;
+  if (singular) hold_kernel();
   forget();
+}
+
+double Designer::State::anchor() const {
+  double sum = 0;
+  for (Index v = 0; v < mesh.vertices(); ++v) sum += S2.valuePtr()[pattern.diagonal(v)].real();
+  return sum / mesh.vertices();
+}
+
+void Designer::State::hold_kernel() {
+  const double weight = anchor();
+  std::vector<char> touched(surface.topology().components.size(), 0);
+  for (const auto& [id, p] : prepared)
+    for (const ControlRow& row : p.load.rows) {
+      touched[static_cast<std::size_t>(surface.topology().vertex_component[static_cast<std::size_t>(row.vertex[0])])] =
+          1;
+      if (p.load.soft()) continue;
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+          const C value = weight * std::conj(row.coefficient[i]) * row.coefficient[j];
+          if (value != C(0)) A.coeffRef(row.vertex[i], row.vertex[j]) += value;
+        }
+    }
+  for (Index v = 0; v < mesh.vertices(); ++v) {
+    const Index c = surface.topology().vertex_component[static_cast<std::size_t>(v)];
+    if (c == none || touched[static_cast<std::size_t>(c)] != 0) continue;
+    for (Index k = A.outerIndexPtr()[v]; k < A.outerIndexPtr()[v + 1]; ++k) A.valuePtr()[k] += unit() * M.valuePtr()[k];
+  }
 }
 
 void Designer::State::forget() {
@@ -116,20 +144,16 @@ void Designer::State::forget() {
 void Designer::State::factorise() {
   if (!stale) return;
   tell("factorise");
-  const OptionError singular("guidance_weight", options.guidance_weight,
-                             "the design's system is singular: this connection has parallel fields (flat or "
-                             "trivial), so targets alone do not determine one; give a guidance weight");
-  bool parallel_fields = false;
+  const bool bare = mass_weight() == 0 && !folded;
   try {
     solver->factorise(A);
     // Iterative backends only find out here.
-    parallel_fields = mass_weight() == 0 && !folded && is_singular();
+    singular = singular || (bare && is_singular());
   } catch (const SolveError&) {
-    if (mass_weight() == 0 && !folded) throw singular;
-    throw;
+    if (!bare) throw;
+    singular = true;
   }
-  if (parallel_fields) throw singular;
-  stale = false;
+  stale = bare && singular;
 }
 
 bool Designer::State::is_singular() const {
@@ -154,10 +178,16 @@ void Designer::State::make_guidance() {
 }
 
 void Designer::State::choose_folding() {
+  const auto has_rows = [](const auto& entry) { return !entry.second.load.rows.empty(); };
+  if (singular && std::none_of(prepared.begin(), prepared.end(), has_rows))
+    throw OptionError("guidance_weight", options.guidance_weight,
+                      "the design's system is singular: this connection has parallel fields (flat or trivial), so "
+                      "targets alone do not determine one; give a guidance weight, or hold the field somewhere");
+  if (singular && !folded) soft_changed = true;
   if (!soft_changed) return;
   std::size_t soft = 0;
   for (const auto& [id, p] : prepared) soft += p.load.soft() ? p.load.rows.size() : 0;
-  const bool fold = soft > static_cast<std::size_t>(options.largest_rank);
+  const bool fold = singular || soft > static_cast<std::size_t>(options.largest_rank);
   if (fold || folded) make_matrix(fold);
   soft_changed = false;
 }
