@@ -40,8 +40,7 @@ Outcome run(const ExportOptions& options, Progress& progress) {
   progress.phase("reading");
   MeshFile file = read_choice(options.mesh);
   std::vector<Remark> remarks;
-  Faces F = apply_repairs(file.V, file.F, options.mesh.repairs, remarks);
-  const Surface mesh(std::move(file.V), std::move(F));
+  const Surface mesh = make_surface(options.mesh, file, remarks);
   progress.phase("finding the connection");
   const ConnectedSurface surface = connect(mesh, options.connection);
   progress.phase("assembling");

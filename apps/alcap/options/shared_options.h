@@ -32,8 +32,19 @@ void add_mesh_options(cli::App& app, MeshChoice& choice);
 /// Reads the mesh. Throws FileError.
 [[nodiscard]] MeshFile read_choice(const MeshChoice& choice);
 
-RepairOptions repair = {};
-std::filesystem::path lengths = {};  // none: as far apart as the vertices are
+/// The surface of a mesh that was read, after the repairs asked for and with the edge lengths asked for. Takes the
+/// file's arrays. Appends what the repairs did. Throws MeshError, FileError, OptionError.
+[[nodiscard]] Surface make_surface(const MeshChoice& choice, MeshFile& file, std::vector<Remark>& remarks);
+
+/// Appends what repairs did.
+void add_remarks(const std::vector<RepairStep>& steps, std::vector<Remark>& remarks);
+
+/// The angle of "--align-features", in radians: of the text in degrees, or the default where it is empty. Throws
+/// cli::ValidationError.
+[[nodiscard]] double feature_angle(const std::string& text);
+
+/// Adds --connection, --cone, --cones, --holonomy, --loop-index, --target and --hold-curvature, which say what
+/// connection it is, and those of add_weight_options().
 void add_connection_options(cli::App& app, ConnectionOptions& options);
 
 /// The connection to look at a field with: as the flags of add_connection_options() say, or, where none says what

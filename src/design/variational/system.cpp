@@ -17,6 +17,8 @@ using detail::ControlRow;
 
 // A field whose energy is this small, relative to its size, in units of 1/area, is parallel.
 constexpr double parallel = 1e-6;
+// Weight of guidance towards zero where directions alone are held among parallel fields: it picks their length.
+constexpr double free_length = 1e-6;
 // Columns solved for at once, and between two looks at whether to go on.
 constexpr Eigen::Index columns_at_once = 16;
 
@@ -113,11 +115,13 @@ double Designer::State::anchor() const {
 
 void Designer::State::hold_kernel() {
   const double weight = anchor();
+  // 2: something fixes the length of parallel fields as well; 1: their directions alone; 0: nothing.
   std::vector<char> touched(surface.topology().components.size(), 0);
   for (const auto& [id, p] : prepared)
     for (const ControlRow& row : p.load.rows) {
-      touched[static_cast<std::size_t>(surface.topology().vertex_component[static_cast<std::size_t>(row.vertex[0])])] =
-          1;
+      char& mark = touched[static_cast<std::size_t>(
+          surface.topology().vertex_component[static_cast<std::size_t>(row.vertex[0])])];
+      mark = std::max(mark, row.direction_only ? char{1} : char{2});
       if (p.load.soft()) continue;
       for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) {
@@ -127,8 +131,9 @@ void Designer::State::hold_kernel() {
     }
   for (Index v = 0; v < mesh.vertices(); ++v) {
     const Index c = surface.topology().vertex_component[static_cast<std::size_t>(v)];
-    if (c == none || touched[static_cast<std::size_t>(c)] != 0) continue;
-    for (Index k = A.outerIndexPtr()[v]; k < A.outerIndexPtr()[v + 1]; ++k) A.valuePtr()[k] += unit() * M.valuePtr()[k];
+    if (c == none || touched[static_cast<std::size_t>(c)] == 2) continue;
+    const double w = unit() * (touched[static_cast<std::size_t>(c)] == 1 ? free_length : 1);
+    for (Index k = A.outerIndexPtr()[v]; k < A.outerIndexPtr()[v + 1]; ++k) A.valuePtr()[k] += w * M.valuePtr()[k];
   }
 }
 
