@@ -98,7 +98,9 @@ void judge_aligned(const FieldRunOptions& options, FieldRun& run) {
   for (const AlignedPiece& piece : features.pieces) {
     certificate.directions_settled = certificate.directions_settled && piece.settled;
     certificate.residual_small = certificate.residual_small && piece.residual <= options.eigen.tolerance;
-    if (piece.eigen) certificate.eigen_converged = certificate.eigen_converged && piece.eigen->converged;
+    if (!piece.eigen) continue;
+    certificate.eigen_converged = certificate.eigen_converged && piece.eigen->converged;
+    if (piece.eigen->smallest == Smallest::refuted) certificate.smallest = Smallest::refuted;
   }
   const auto& lines = features.report.lines;
   features.followed = std::all_of(lines.begin(), lines.end(),
