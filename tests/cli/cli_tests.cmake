@@ -7,7 +7,7 @@ if(NOT TARGET alcap_cli)
 endif()
 alcap_test_folder(cli alcap_dep_JSON)
 target_sources(test_cli PRIVATE ../apps/alcap/tables/tables.cpp ../apps/alcap/tables/tables_harmonics.cpp
-  ../apps/alcap/tables/tables_print.cpp ../apps/alcap/tables/tables_published.cpp)
+  ../apps/alcap/tables/tables_print.cpp ../apps/alcap/tables/tables_published.cpp ../apps/alcap/tables/tables_shapes.cpp)
 target_compile_definitions(test_cli PRIVATE ALCAP_CLI="$<TARGET_FILE:alcap_cli>")
 add_dependencies(test_cli alcap_cli)
 

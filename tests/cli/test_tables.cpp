@@ -6,12 +6,14 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 
 #include "alcap/conventions.h"
 #include "apps/alcap/tables/tables_harmonics.h"
 #include "apps/alcap/tables/tables_published.h"
+#include "apps/alcap/tables/tables_shapes.h"
 #include "src/base/parallel.h"
 
 using namespace alcap;
@@ -210,4 +212,104 @@ TEST_CASE("options out of range are refused by name") {
   CHECK_THROWS_WITH_AS((void)compute_tables({.fields = 1}), doctest::Contains("fields"), OptionError);
   CHECK_THROWS_WITH_AS((void)compute_tables({.harmonics = 49}), doctest::Contains("harmonics"), OptionError);
   CHECK_THROWS_WITH_AS((void)compute_tables({.jitter = 0.5}), doctest::Contains("jitter"), OptionError);
+}
+
+TEST_CASE("random points and noise: closed spheres through every point") {
+  const MeshData random = random_points_sphere(2, 5);
+  const Mesh mesh(random.F, random.V.rows());
+  CHECK(mesh.faces() == 2 * mesh.vertices() - 4);
+  CHECK(mesh.boundary_edges() == 0);
+  for (Eigen::Index v = 0; v < random.V.rows(); ++v) CHECK(random.V.row(v).norm() == doctest::Approx(1));
+  for (Index t = 0; t < mesh.faces(); ++t) {
+    const Row a = random.V.row(mesh.F()(t, 0)), b = random.V.row(mesh.F()(t, 1)), c = random.V.row(mesh.F()(t, 2));
+    CHECK(a.dot(Row(b.cross(c))) > 0);  // outward
+  }
+  const MeshData noisy = noisy_sphere(3, 0.1, 2);
+  const double edge = Geometry(Mesh(icosphere(3).F, 642), icosphere(3).V).lengths().mean();
+  double most = 0;
+  for (Eigen::Index v = 0; v < noisy.V.rows(); ++v) most = std::max(most, std::abs(noisy.V.row(v).norm() - 1));
+  CHECK(most <= 0.1 * edge * (1 + 1e-12));
+  CHECK(most > 0.09 * edge);
+}
+
+TEST_CASE("on a body the exact integrals are those of the field: Stokes over all of it, and second order of ours") {
+  for (const Body& body : {ellipsoid(), generic_body(), Body{.R = 1, .r = 0.4}}) {
+    std::vector<double> errors;
+    for (const int level : {2, 3, 4}) {
+      const int rings = 5 << (level - 1);
+      const BodyShape shape("body", level, body.R > 0 ? torus(2 * rings, rings, 1, 0.4) : icosphere(level), body, 6, 1);
+      for (Eigen::Index v = 0; v < shape.surface.V.rows(); v += 7)
+        CHECK(std::abs(body.value(shape.surface.V.row(v))) < 1e-12);
+      // Divergence and curl of a field on a closed surface sum to nothing.
+      if (level == 4) CHECK(shape.exact.colwise().sum().cwiseAbs().maxCoeff() < 1e-3 * shape.exact.cwiseAbs().sum());
+      const Connection connection = globally_optimal(shape.mesh, shape.geometry);
+      const Fields u = shape.sample(connection);
+      const auto ops = first_order_operators(shape.mesh, shape.geometry, connection, {1, OperatorKind::edge});
+      errors.push_back(measure(shape.mesh, shape.geometry, ops, u, &shape.exact).div2.sqrt().mean());
+    }
+    CHECK(errors[0] / errors[1] > 3.2);
+    CHECK(errors[1] / errors[2] > 3.4);
+  }
+  // On a sphere the rule is exact to rounding, so nothing is left.
+  const BodyShape sphere("sphere", 4, icosphere(4), {.a = 1, .b = 1, .c = 1}, 4, 1);
+  CHECK(sphere.exact.colwise().sum().cwiseAbs().maxCoeff() < 1e-9);
+}
+
+TEST_CASE("by 1-forms on edges the energy of smooth fields is found as well") {
+  Eigen::MatrixXcd coefficients = random_coefficients(15, 10, 3);
+  Eigen::ArrayXd exact = Eigen::ArrayXd::Zero(10);
+  for (int k = 0; k < 15; ++k) {
+    const double l = harmonic_degree(k);
+    exact += l * (l + 1) / 2 * coefficients.row(k).cwiseAbs2().transpose().array();
+  }
+  double before = 1;
+  for (const int level : {2, 3, 4}) {
+    const MeshData data = icosphere(level);
+    const Mesh mesh(data.F, data.V.rows());
+    const Eigen::ArrayXd found = one_form_energy(mesh, Geometry(mesh, data.V), data.V, coefficients);
+    const double error = ((found - exact) / exact).abs().mean();
+    CHECK(error < before / 3);
+    before = error;
+  }
+}
+
+TEST_CASE("away from its cones our field of a trivial connection nears the one per face") {
+  // Ours is the smoothest, not the parallel one: the faces around cones bend it a little, less on finer meshes.
+  CHECK(face_field_difference(icosphere(2)) < 0.5);
+  CHECK(face_field_difference(icosphere(3)) < 0.5 * face_field_difference(icosphere(2)));
+  CHECK(face_field_difference(jittered_sphere(3, 0.2, 4)) < 0.5);
+}
+
+TEST_CASE("more rows, the caller's mesh, and baselines, in numbers and in text") {
+  TablesOptions options{.levels = {1, 2}, .fields = 4, .mesh = genus_surface(2, 2), .mesh_name = "two holes"};
+  options.more = true;
+  const TablesResult result = compute_tables(options);
+  for (const char* name : {"noise 0.01", "noise 0.1", "random points", "ellipsoid", "body", "jittered body", "torus"})
+    CHECK(std::any_of(result.operators.begin(), result.operators.end(),
+                      [&](const OperatorRow& row) { return row.sphere == name; }));
+  int rows = 0;
+  for (const EulerRow& row : result.euler) {
+    if (row.surface != "two holes") continue;
+    ++rows;
+    CHECK(row.expected == -4);
+    if (row.kind == "edge") CHECK(row.mean == doctest::Approx(-4).epsilon(0.02));
+  }
+  CHECK(rows == 12);
+  REQUIRE(result.baselines.size() == 4);
+  CHECK(result.baselines[1].edge < result.baselines[0].edge);
+  std::ostringstream text;
+  print_tables(text, result);
+  for (const char* part : {"two holes", "Baselines", "ellipsoid", "random points", "by face"})
+    CHECK(text.str().find(part) != std::string::npos);
+  CHECK(text.str().find("nan") == std::string::npos);
+  options.mesh = disk(4);
+  CHECK_THROWS_AS(static_cast<void>(compute_tables(options)), OptionError);
+}
+
+TEST_CASE("the largest error by face is about the published one, and at most the largest of all") {
+  for (const OperatorRow& row : three_levels().operators) {
+    CHECK(row.face_div <= 1.5 * row.linf_div);
+    if (row.sphere != "clean" || row.connection != "global" || row.kind != "edge" || row.level < 3) continue;
+    CHECK(row.face_div == doctest::Approx(row.paper_linf_div).epsilon(0.25));
+  }
 }

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "alcap/memory.h"
+#include "alcap/mesh_io.h"
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/report.h"
@@ -21,6 +22,8 @@ constexpr const char* footer =
     "  alcap tables                          all four spheres, as in the paper; takes minutes\n"
     "  alcap tables --levels 2,3 --fields 10 a quick look\n"
     "  alcap tables --json > tables.json\n"
+    "  alcap tables --more --levels 2,3,4    other surfaces, noise, and other methods beside ours\n"
+    "  alcap tables --mesh bunny.ply --levels 2\n"
     "\n"
     "Liu, Tong, de Goes, Desbrun 2016, Tables I and II: errors of divergence, curl and Dirichlet energy of smooth "
     "random\n"
@@ -38,6 +41,8 @@ Json to_json(const OperatorRow& row) {
           {"l2_curl", number(row.l2_curl)},
           {"linf_div", number(row.linf_div)},
           {"linf_curl", number(row.linf_curl)},
+          {"face_div", number(row.face_div)},
+          {"face_curl", number(row.face_curl)},
           {"energy", number(row.energy)},
           {"paper",
            {{"l2_div", number(row.paper_l2_div)},
@@ -76,6 +81,13 @@ Json to_json(const EulerRow& row) {
           {"paper", {{"mean", number(row.paper_mean)}, {"deviation", number(row.paper_deviation)}}}};
 }
 
+Json to_json(const BaselineRow& row) {
+  return {{"sphere", row.sphere},       {"level", row.level},
+          {"vertices", row.vertices},   {"fisher", number(row.fisher)},
+          {"edge", number(row.edge)},   {"triangle", number(row.triangle)},
+          {"basis", number(row.basis)}, {"crane_degrees", number(row.crane_degrees)}};
+}
+
 template <class Row>
 Json rows_json(const std::vector<Row>& rows) {
   Json list = Json::array();
@@ -83,7 +95,12 @@ Json rows_json(const std::vector<Row>& rows) {
   return list;
 }
 
-Outcome run(TablesOptions options, Progress& progress) {
+Outcome run(TablesOptions options, const std::filesystem::path& mesh, Progress& progress) {
+  if (!mesh.empty()) {
+    MeshFile file = read_mesh(mesh);
+    options.mesh = {std::move(file.V), std::move(file.F)};
+    options.mesh_name = mesh.stem().string();
+  }
   options.progress = [&](std::string_view what) { progress.phase(fmt::format("measuring on {}", what)); };
   const TablesResult result = compute_tables(options);
   Json report = report_head("tables", true);
@@ -93,6 +110,7 @@ Outcome run(TablesOptions options, Progress& progress) {
   report["operators"] = rows_json(result.operators);
   report["stiffness"] = rows_json(result.stiffness);
   report["euler"] = rows_json(result.euler);
+  report["baselines"] = rows_json(result.baselines);
   report["times"] = {{"total", number(result.seconds)}};
   report["peak_memory_bytes"] = peak_memory_bytes();
   std::ostringstream text;
@@ -102,6 +120,7 @@ Outcome run(TablesOptions options, Progress& progress) {
 
 std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<TablesOptions>();
+  auto mesh = std::make_shared<std::filesystem::path>();
   app.footer(footer);
   app.add_option("--levels", options->levels, "Icosphere levels, coarse to fine")
       ->type_name("LIST")
@@ -112,7 +131,11 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->type_name("X")
       ->capture_default_str();
   app.add_option("--seed", options->seed, "Of the random fields")->type_name("N")->capture_default_str();
-  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+  app.add_option("--mesh", *mesh, "Rows of the second table for this closed mesh as well")->type_name("MESH");
+  app.add_flag("--more", options->more,
+               "Also noise, random points, an ellipsoid and a generic body; and baselines: 1-forms on edges (Fisher et "
+               "al. 2007), fields per face (Crane et al. 2010)");
+  return [options, mesh](const Common&, Progress& progress) { return run(*options, *mesh, progress); };
 }
 
 }  // namespace

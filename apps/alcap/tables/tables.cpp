@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "alcap/energies.h"
@@ -16,18 +17,14 @@
 #include "alcap/generators.h"
 #include "alcap/operators.h"
 #include "apps/alcap/tables/tables_harmonics.h"
+#include "apps/alcap/tables/tables_measure.h"
 #include "apps/alcap/tables/tables_published.h"
+#include "apps/alcap/tables/tables_shapes.h"
 #include "src/base/clock.h"
 #include "src/base/parallel.h"
 
 namespace alcap::app {
 namespace {
-
-using Row = Eigen::RowVector3d;
-using Fields = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr std::array connection_names = {"polar", "polar-barycenter", "local", "global"};
-constexpr std::array kind_names = {"edge", "triangle"};
 
 void validate(const TablesOptions& o) {
   const auto require = [](bool good, const char* field, auto value, const char* rule) {
@@ -45,83 +42,11 @@ void validate(const TablesOptions& o) {
   require(o.jitter >= 0 && o.jitter <= 0.25, "jitter", o.jitter, "must lie in [0, 0.25], beyond that faces fold");
 }
 
-Connection make_connection(const Mesh& mesh, const Geometry& geometry, std::size_t which) {
-  switch (which) {
-    case 0:
-      return polar(mesh, geometry, {PolarCenter::incenter});
-    case 1:
-      return polar(mesh, geometry, {PolarCenter::barycenter});
-    case 2:
-      return locally_optimal(mesh, geometry);
-    default:
-      return globally_optimal(mesh, geometry);
-  }
-}
-
-/// Calls body(begin, end) over rows in blocks that do not depend on the number of threads.
-template <class Body>
-void for_row_blocks(Eigen::Index rows, Body&& body) {
-  constexpr Eigen::Index block = 512;
-  parallel_for((rows + block - 1) / block, [&](std::int64_t b) { body(b * block, std::min(rows, (b + 1) * block)); },
-               1);
-}
-
-/// Rows times coefficients.
-template <class Matrix>
-Fields combine(const Matrix& rows, const Eigen::MatrixXcd& coefficients) {
-  Fields out(rows.rows(), coefficients.cols());
-  for_row_blocks(rows.rows(), [&](Eigen::Index begin, Eigen::Index end) {
-    out.middleRows(begin, end - begin).noalias() = rows.middleRows(begin, end - begin) * coefficients;
-  });
-  return out;
-}
-
-/// Nodes and weights of a rule on the unit triangle, exact for degree 2 points - 2: Gauss-Legendre collapsed at a
-/// corner.
-struct TriangleRule {
-  struct Node {
-    double x, y, weight;
-  };
-  std::vector<Node> nodes;
-  explicit TriangleRule(int points) {
-    std::vector<std::array<double, 2>> gauss;
-    for (int i = 0; i < points; ++i) {
-      double x = std::cos(pi<double> * (i + 0.75) / (points + 0.5)), slope = 1;
-      for (int step = 0; step < 8; ++step) {  // Newton on the Legendre polynomial
-        double before = 1, now = x;
-        for (int k = 2; k <= points; ++k) {
-          const double next = ((2 * k - 1) * x * now - (k - 1) * before) / k;
-          before = now;
-          now = next;
-        }
-        slope = points * (x * now - before) / (x * x - 1);
-        x -= now / slope;
-      }
-      gauss.push_back({(1 + x) / 2, 1 / ((1 - x * x) * slope * slope)});
-    }
-    for (const auto& [x, wx] : gauss)
-      for (const auto& [y, wy] : gauss) nodes.push_back({x, y * (1 - x), wx * wy * (1 - x)});
-  }
-};
-
 /// One sphere: its mesh, and the exact integrals of div + i curl over the spherical triangle above each face, #F x
 /// fields.
-struct Sphere {
-  std::string name;
-  int level;
-  MeshData surface;
-  Mesh mesh;
-  Geometry geometry;
-  double mean_edge;
-  Fields exact;
-
+struct Sphere : Shape {
   Sphere(std::string name_, int level_, MeshData s, const Eigen::MatrixXcd& coefficients)
-      : name(std::move(name_)),
-        level(level_),
-        surface(std::move(s)),
-        mesh(surface.F, surface.V.rows()),
-        geometry(mesh, surface.V),
-        mean_edge(geometry.lengths().mean()) {
+      : Shape(std::move(name_), level_, std::move(s)) {
     const Eigen::Index count = coefficients.rows();
     Eigen::MatrixXd integrals(mesh.faces(), count);
     const TriangleRule rule(6);  // twelfth order: exact to rounding beside the discretisation error
@@ -155,7 +80,7 @@ struct Sphere {
     for_row_blocks(mesh.vertices(), [&](Eigen::Index begin, Eigen::Index end) {
       Eigen::Matrix<double, Eigen::Dynamic, 3> gradients(coefficients.rows(), 3);
       for (Eigen::Index v = begin; v < end; ++v) {
-        const Row n = surface.V.row(v), axis = frames.X.row(v);
+        const Row n = surface.V.row(v).normalized(), axis = frames.X.row(v);
         const Row x = (axis - axis.dot(n) * n).normalized(), y = n.cross(x);
         harmonic_gradients(n, gradients);
         basis.row(v).real() = (gradients * x.transpose()).transpose();
@@ -166,106 +91,10 @@ struct Sphere {
   }
 };
 
-/// Per field, over some faces.
-struct Sums {
-  Eigen::ArrayXd div2, curl2, max_div, max_curl, antiholomorphic, holomorphic;
-  explicit Sums(Eigen::Index fields)
-      : div2(Eigen::ArrayXd::Zero(fields)),
-        curl2(div2),
-        max_div(div2),
-        max_curl(div2),
-        antiholomorphic(div2),
-        holomorphic(div2) {}
-  static Sums join(Sums a, const Sums& b) {
-    a.div2 += b.div2;
-    a.curl2 += b.curl2;
-    a.max_div = a.max_div.max(b.max_div);
-    a.max_curl = a.max_curl.max(b.max_curl);
-    a.antiholomorphic += b.antiholomorphic;
-    a.holomorphic += b.holomorphic;
-    return a;
-  }
-};
-
-/// P u and Q u of all fields at once; against `exact` where it is given (P only).
-Sums measure(const Mesh& mesh, const Geometry& geometry, const FirstOrderOperators& ops, const Fields& u,
-             const Fields* exact) {
-  return parallel_reduce(
-      mesh.faces(), Sums(u.cols()),
-      [&](std::int64_t begin, std::int64_t end) {
-        Sums s(u.cols());
-        Eigen::Array<std::complex<double>, 1, Eigen::Dynamic> p(u.cols()), q(u.cols());
-        for (std::int64_t t = begin; t < end; ++t) {
-          p.setZero();
-          q.setZero();
-          for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) {
-            p += ops.p[h] * u.row(mesh.tail(h)).array();
-            q += ops.q[h] * u.row(mesh.tail(h)).array();
-          }
-          const double area = geometry.area(static_cast<Index>(t));
-          s.antiholomorphic += p.abs2().transpose() / (2 * area);
-          s.holomorphic += q.abs2().transpose() / (2 * area);
-          if (!exact) continue;
-          p -= exact->row(t).array();
-          s.div2 += p.real().square().transpose();
-          s.curl2 += p.imag().square().transpose();
-          s.max_div = s.max_div.max(p.real().abs().transpose() / area);
-          s.max_curl = s.max_curl.max(p.imag().abs().transpose() / area);
-        }
-        return s;
-      },
-      Sums::join);
-}
-
 /// Re(u* A u) per field.
 Eigen::ArrayXd quadratic_form(const SparseMatrix<std::complex<double>>& A, const Fields& u) {
   const Fields Au = A * u;
   return (u.conjugate().cwiseProduct(Au)).real().colwise().sum().transpose().array();
-}
-
-double order(double coarse, double fine, double lengths) {
-  return coarse > 0 && fine > 0 ? std::log(coarse / fine) / std::log(lengths) : nan;
-}
-
-/// Fills the orders of the last row from the previous one of the same sphere, connection and kind.
-template <class R, class Same>
-const R* coarser(const std::vector<R>& rows, Same&& same) {
-  for (auto r = rows.rbegin(); r != rows.rend(); ++r)
-    if (same(*r)) return &*r;
-  return nullptr;
-}
-
-void add_operator_row(const Sphere& sphere, const char* connection, const char* kind, const Sums& s,
-                      const Eigen::ArrayXd& exact_energy, std::vector<OperatorRow>& rows) {
-  OperatorRow row{.sphere = sphere.name,
-                  .level = sphere.level,
-                  .vertices = sphere.mesh.vertices(),
-                  .mean_edge = sphere.mean_edge,
-                  .connection = connection,
-                  .kind = kind,
-                  .l2_div = s.div2.sqrt().mean(),
-                  .l2_curl = s.curl2.sqrt().mean(),
-                  .linf_div = s.max_div.mean(),
-                  .linf_curl = s.max_curl.mean(),
-                  .energy = ((s.antiholomorphic + s.holomorphic) / 2 - exact_energy).abs().mean()};
-  const published::Operators paper = published::operators(row.sphere, row.vertices, row.connection, row.kind);
-  row.paper_l2_div = paper.l2_div;
-  row.paper_l2_curl = paper.l2_curl;
-  row.paper_linf_div = paper.linf_div;
-  row.paper_linf_curl = paper.linf_curl;
-  row.paper_energy = paper.energy;
-  const OperatorRow* before = coarser(rows, [&](const OperatorRow& r) {
-    return r.sphere == row.sphere && r.connection == row.connection && r.kind == row.kind;
-  });
-  const auto observed = [&](double OperatorRow::*error) {
-    return before ? order(before->*error, row.*error, before->mean_edge / row.mean_edge) : nan;
-  };
-  row.order_l2_div = observed(&OperatorRow::l2_div);
-  row.order_l2_curl = observed(&OperatorRow::l2_curl);
-  row.order_linf_div = observed(&OperatorRow::linf_div);
-  row.order_linf_curl = observed(&OperatorRow::linf_curl);
-  row.order_energy = observed(&OperatorRow::energy);
-  rows.push_back(row);
 }
 
 void add_stiffness_row(const Sphere& sphere, const char* connection, double error, std::vector<StiffnessRow>& rows) {
@@ -318,27 +147,42 @@ void measure_euler(const std::string& surface, int level, const Mesh& mesh, cons
                 quadratic_form(curvature_and_boundary(mesh, pattern, geometry, connection, 1), u), expected, rows);
 }
 
-void measure_sphere(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, const Eigen::MatrixXcd& unit,
-                    TablesResult& result) {
-  const Mesh& mesh = sphere.mesh;
-  const Geometry& geometry = sphere.geometry;
-  // 1/2 integral |grad u|^2 of a vector harmonic of unit norm is (l(l+1) - 1)/2.
+/// One more set of meshes on the unit sphere: the operators alone, for the connections named.
+void measure_operators(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, const Eigen::ArrayXd& energy,
+                       std::vector<OperatorRow>& rows) {
+  for (std::size_t i = 0; i < connection_names.size(); ++i) {
+    const Connection connection = make_connection(sphere.mesh, sphere.geometry, i);
+    const Fields u = sphere.sample(connection, coefficients);
+    for (std::size_t k = 0; k < kind_names.size(); ++k) {
+      const auto kind = k == 0 ? OperatorKind::edge : OperatorKind::triangle;
+      const auto ops = first_order_operators(sphere.mesh, sphere.geometry, connection, {1, kind});
+      add_operator_row(sphere, connection_names[i], kind_names[k],
+                       measure(sphere.mesh, sphere.geometry, ops, u, &sphere.exact), energy, rows);
+    }
+  }
+}
+
+/// 1/2 integral |grad u|^2 of every field: (l(l+1) - 1)/2 for a vector harmonic of unit norm.
+Eigen::ArrayXd exact_energy(const Eigen::MatrixXcd& coefficients) {
   Eigen::ArrayXd energy = Eigen::ArrayXd::Zero(coefficients.cols());
   for (int k = 0; k < coefficients.rows(); ++k) {
     const double l = harmonic_degree(k);
     energy += (l * (l + 1) - 1) / 2 * coefficients.row(k).cwiseAbs2().transpose().array();
   }
+  return energy;
+}
+
+void measure_sphere(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, const Eigen::MatrixXcd& unit,
+                    TablesResult& result) {
+  const Mesh& mesh = sphere.mesh;
+  const Geometry& geometry = sphere.geometry;
+  const Eigen::ArrayXd energy = exact_energy(coefficients);
+  measure_operators(sphere, coefficients, energy, result.operators);
   const HermitianPattern pattern(mesh);
   for (std::size_t i = 0; i < connection_names.size(); ++i) {
     const char* name = connection_names[i];
     const Connection connection = make_connection(mesh, geometry, i);
     const Fields u = sphere.sample(connection, coefficients);
-    for (std::size_t k = 0; k < kind_names.size(); ++k) {
-      const auto kind = k == 0 ? OperatorKind::edge : OperatorKind::triangle;
-      const auto ops = first_order_operators(mesh, geometry, connection, {1, kind});
-      add_operator_row(sphere, name, kind_names[k], measure(mesh, geometry, ops, u, &sphere.exact), energy,
-                       result.operators);
-    }
     const auto stiffness = stiffness_and_mass(mesh, pattern, geometry, connection, 1);
     add_stiffness_row(sphere, name, (quadratic_form(stiffness.S, u) / 2 - energy).abs().mean(), result.stiffness);
     measure_euler(sphere.name, sphere.level, mesh, geometry, connection, name, sphere.sample(connection, unit), 4,
@@ -346,12 +190,13 @@ void measure_sphere(const Sphere& sphere, const Eigen::MatrixXcd& coefficients, 
   }
 }
 
-/// A torus in steps of the same refinement, with the harmonics' ambient gradients as smooth random fields.
-void measure_torus(int level, const Eigen::MatrixXcd& unit, TablesResult& result) {
-  const int nv = 5 << (level - 1);
-  const MeshData surface = torus(2 * nv, nv, 1, 0.4);
+/// The lowest harmonics' gradients in space, projected to a surface around the origin, as smooth random fields of unit
+/// length on it.
+void measure_any(const std::string& name, int level, const MeshData& surface, const Eigen::MatrixXcd& unit,
+                 TablesResult& result) {
   const Mesh mesh(surface.F, surface.V.rows());
   const Geometry geometry(mesh, surface.V);
+  const double expected = 2 * find_topology(mesh).euler();
   for (std::size_t i = 0; i < connection_names.size(); ++i) {
     const Connection connection = make_connection(mesh, geometry, i);
     const Frames frames = vertex_frames(mesh, surface.V, connection);
@@ -361,8 +206,106 @@ void measure_torus(int level, const Eigen::MatrixXcd& unit, TablesResult& result
       harmonic_gradients(surface.V.row(v).normalized(), gradients);
       for (Eigen::Index k = 0; k < unit.rows(); ++k) basis(v, k) = frames.component(v, gradients.row(k));
     }
-    measure_euler("torus", level, mesh, geometry, connection, connection_names[i], combine(basis, unit), 0,
+    measure_euler(name, level, mesh, geometry, connection, connection_names[i], combine(basis, unit), expected,
                   result.euler);
+  }
+}
+
+/// The caller's mesh, moved so that its middle is the origin.
+void measure_mesh(const TablesOptions& options, const Eigen::MatrixXcd& unit, TablesResult& result) {
+  MeshData surface = options.mesh;
+  const Mesh mesh(surface.F, surface.V.rows());
+  if (mesh.boundary_edges() > 0)
+    throw OptionError("mesh", options.mesh_name, "has a boundary, where E_A - E_H has a term of its own; close it");
+  const Row middle = (surface.V.colwise().minCoeff() + surface.V.colwise().maxCoeff()) / 2;
+  surface.V.rowwise() -= middle;
+  measure_any(options.mesh_name, 0, surface, unit, result);
+}
+
+/// Spheres whose vertices lie off the surface by noise, and spheres through random points.
+void measure_other_spheres(const TablesOptions& options, const Eigen::MatrixXcd& coefficients, TablesResult& result) {
+  const Eigen::ArrayXd energy = exact_energy(coefficients);
+  for (const double noise : noise_levels) {
+    const int level = std::min(options.levels.back(), 4);
+    char name[32];
+    std::snprintf(name, sizeof name, "noise %g", noise);
+    measure_operators(Sphere(name, level, noisy_sphere(level, noise, options.seed), coefficients), coefficients, energy,
+                      result.operators);
+  }
+  for (const int level : options.levels)
+    if (level <= 5)
+      measure_operators(Sphere("random points", level, random_points_sphere(level, options.seed), coefficients),
+                        coefficients, energy, result.operators);
+}
+
+/// Surfaces that are no spheres: errors of div and curl of projected gradients of random cubic polynomials.
+void measure_bodies(const TablesOptions& options, TablesResult& result) {
+  const auto rings = [](int level) { return 5 << (level - 1); };
+  const auto jittered = [&](int level) { return jittered_sphere(level, options.jitter, options.seed); };
+  const auto around = [&](int level) { return torus(2 * rings(level), rings(level), 1, 0.4); };
+  const auto uneven = [&](int level) {
+    return torus_random_diagonals(2 * rings(level), rings(level), 1, 0.4, options.seed);
+  };
+  struct Kind {
+    const char* name;
+    Body body;
+    std::function<MeshData(int)> mesh;
+  };
+  const Body ring{.R = 1, .r = 0.4};
+  const Kind kinds[] = {{"ellipsoid", ellipsoid(), &icosphere},
+                        {"body", generic_body(), &icosphere},
+                        {"jittered body", generic_body(), jittered},
+                        {"torus", ring, around},
+                        {"torus, random diagonals", ring, uneven}};
+  for (const auto& [name, body, mesh] : kinds) {
+    for (const int level : options.levels) {
+      const BodyShape shape(name, level, mesh(level), body, options.fields, options.seed);
+      for (std::size_t i = 0; i < connection_names.size(); ++i) {
+        const Connection connection = make_connection(shape.mesh, shape.geometry, i);
+        const Fields u = shape.sample(connection);
+        for (std::size_t k = 0; k < kind_names.size(); ++k) {
+          const auto kind = k == 0 ? OperatorKind::edge : OperatorKind::triangle;
+          const auto ops = first_order_operators(shape.mesh, shape.geometry, connection, {1, kind});
+          add_operator_row(shape, connection_names[i], kind_names[k],
+                           measure(shape.mesh, shape.geometry, ops, u, &shape.exact),
+                           Eigen::ArrayXd::Constant(options.fields, nan), result.operators);
+        }
+      }
+    }
+  }
+}
+
+/// E_A of smooth fields by 1-forms on edges and by our operators, relative errors; and how far our field of a trivial
+/// connection is from the one per face.
+void measure_baselines(const TablesOptions& options, const Eigen::MatrixXcd& coefficients, TablesResult& result) {
+  Eigen::ArrayXd exact = Eigen::ArrayXd::Zero(coefficients.cols());
+  for (int k = 0; k < coefficients.rows(); ++k) {
+    const double l = harmonic_degree(k);
+    exact += l * (l + 1) / 2 * coefficients.row(k).cwiseAbs2().transpose().array();
+  }
+  const auto relative = [&](const Eigen::ArrayXd& found) { return ((found - exact) / exact).abs().mean(); };
+  for (const char* name : {"clean", "jittered"}) {
+    for (const int level : options.levels) {
+      const bool clean = std::string_view(name) == "clean";
+      const Sphere sphere(name, level, clean ? icosphere(level) : jittered_sphere(level, options.jitter, options.seed),
+                          coefficients);
+      const Mesh& mesh = sphere.mesh;
+      const Connection connection = globally_optimal(mesh, sphere.geometry);
+      const Fields u = sphere.sample(connection, coefficients);
+      BaselineRow row{.sphere = name, .level = level, .vertices = mesh.vertices()};
+      row.fisher = relative(one_form_energy(mesh, sphere.geometry, sphere.surface.V, coefficients));
+      for (const OperatorKind kind : {OperatorKind::edge, OperatorKind::triangle})
+        (kind == OperatorKind::edge ? row.edge : row.triangle) =
+            relative(measure(mesh, sphere.geometry, first_order_operators(mesh, sphere.geometry, connection, {1, kind}),
+                             u, nullptr)
+                         .antiholomorphic);
+      const HermitianPattern pattern(mesh);
+      const auto S = stiffness_and_mass(mesh, pattern, sphere.geometry, connection, 1).S;
+      const auto CB = curvature_and_boundary(mesh, pattern, sphere.geometry, connection, 1);
+      row.basis = relative((quadratic_form(S, u) + quadratic_form(CB, u)) / 2);
+      row.crane_degrees = face_field_difference(sphere.surface);
+      result.baselines.push_back(row);
+    }
   }
 }
 
@@ -389,7 +332,16 @@ TablesResult compute_tables(const TablesOptions& options) {
   }
   for (const int level : options.levels) {
     announce("torus " + std::to_string(level));
-    measure_torus(level, unit, result);
+    const int nv = 5 << (level - 1);
+    measure_any("torus", level, torus(2 * nv, nv, 1, 0.4), unit, result);
+  }
+  if (options.mesh.F.rows() > 0) measure_mesh(options, unit, result);
+  if (options.more) {
+    announce("more surfaces");
+    measure_other_spheres(options, coefficients, result);
+    measure_bodies(options, result);
+    announce("baselines");
+    measure_baselines(options, coefficients, result);
   }
   result.seconds = watch.seconds();
   return result;

@@ -15,6 +15,8 @@
 #include <string_view>
 #include <vector>
 
+#include "alcap/generators.h"
+
 namespace alcap::app {
 
 struct TablesOptions {
@@ -27,7 +29,10 @@ struct TablesOptions {
   /// Radius of the disk in which vertices of the second set of spheres move, in mean edge lengths: visibly irregular,
   /// nothing folds.
   double jitter = 0.2;
-  std::uint64_t seed = 1;  // of the fields and of the jitter
+  std::uint64_t seed = 1;      // of the fields and of the jitter
+  MeshData mesh = {};          // closed; empty: none. Rows of Table II for it
+  std::string mesh_name = {};  // of these rows
+  bool more = false;           // noise, random points, an ellipsoid, a generic body, and baselines
   /// Called before each sphere with its name ("clean 2562").
   std::function<void(std::string_view)> progress = {};
 };
@@ -37,7 +42,7 @@ using Published = double;
 
 /// Mean over the fields. All fields have unit L2 norm.
 struct OperatorRow {
-  std::string sphere;  ///< "clean" or "jittered"
+  std::string sphere;  ///< "clean", "jittered"; with `more` "noise 0.01", ..., "random points", "ellipsoid", "body"
   int level = 0;
   std::int64_t vertices = 0;
   double mean_edge = 0;                ///< mean edge length
@@ -45,7 +50,9 @@ struct OperatorRow {
   std::string kind;                    ///< "edge" or "triangle"
   double l2_div = 0, l2_curl = 0;      ///< sqrt(sum over faces of (integral - exact integral)^2)
   double linf_div = 0, linf_curl = 0;  ///< max over faces of |integral - exact integral| / area
-  double energy = 0;                   ///< |E_D - exact|, E_D from the squared operators
+  /// The same with the root mean square over the fields taken first, face by face. Of the size of the paper's numbers.
+  double face_div = 0, face_curl = 0;
+  double energy = 0;  ///< |E_D - exact|, E_D from the squared operators
   /// Of this column on this level of the paper's Table I (edge-based, one polar map whose center is not given); NaN
   /// where there is none.
   Published paper_l2_div = 0, paper_l2_curl = 0, paper_linf_div = 0, paper_linf_curl = 0, paper_energy = 0;
@@ -68,7 +75,7 @@ struct StiffnessRow {
 
 /// (E_A - E_H) / pi of fields of unit length at every vertex; 2 chi where all is well.
 struct EulerRow {
-  std::string surface;  ///< "clean", "jittered" or "torus"
+  std::string surface;  ///< "clean", "jittered", "torus" or the name of the caller's mesh
   int level = 0;
   std::int64_t vertices = 0;
   std::string connection;
@@ -78,11 +85,24 @@ struct EulerRow {
   Published paper_mean = 0, paper_deviation = 0;
 };
 
+/// Other ways to the same numbers. Relative errors of E_A, means over the fields: by 1-forms on edges (Fisher et al.
+/// 2007), by our operators, and by the closed-form basis. And the mean angle between the cross field of a trivial
+/// connection per face (Crane et al. 2010) and ours with the same cones, at the faces that touch no cone. Knoeppel et
+/// al. 2013 is StiffnessRow with the polar connection.
+struct BaselineRow {
+  std::string sphere;
+  int level = 0;
+  std::int64_t vertices = 0;
+  double fisher = 0, edge = 0, triangle = 0, basis = 0;
+  double crane_degrees = 0;
+};
+
 struct TablesResult {
   TablesOptions options;  ///< without the callback
   std::vector<OperatorRow> operators;
   std::vector<StiffnessRow> stiffness;
   std::vector<EulerRow> euler;
+  std::vector<BaselineRow> baselines;
   double seconds = 0;
 };
 
