@@ -15,7 +15,7 @@ import scipy.sparse
 
 from . import _alcap
 from ._alcap import ConnectedSurface, CurveSet, Field, Frames, Polyline, Surface
-from ._controls import Control, SingularityTarget, Stroke
+from ._controls import Control, SingularityTarget, Stroke, VertexConstraint
 from ._run import _EIGEN, _given
 from ._types import Progress
 
@@ -696,6 +696,67 @@ def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Str
     how = {'n': n, 's': s, 'offset': offset, 'path': path}
     return EigenDesign(*_alcap.eigen_design(surface, list(strokes), list(singularities), how, _given(**options),
                                             progress, threads))
+
+
+@dataclass(frozen=True)
+class AlignedField:
+    """What aligned_field() returns.
+
+    Attributes
+    ----------
+    field : Field
+        |u| is 1 along held features.
+    pieces : list of dict
+        Per component: held, rows, lambda, steps (tau, energy, largest and rms change in degrees), settled, residual,
+        solver.
+    free_corners : (k,) array of int32
+        Feature vertices that no n-field can be held at.
+    fixed_degrees : float
+        Largest angle between a fixed vertex's direction and the field.
+    """
+
+    field: Field
+    pieces: List[Dict[str, Any]]
+    free_corners: Ints
+    fixed_degrees: float
+
+
+def aligned_field(surface: ConnectedSurface, features: FeatureGraph, n: int = 4, *, across: bool = False,
+                  weight: float = 0.0, fixed: Sequence[VertexConstraint] = (), linear: bool = False,
+                  max_steps: int = 400, settled_degrees: float = 0.1, finest: float = 6.0, solver: str = 'auto',
+                  progress: Progress = None, threads: int = 0) -> AlignedField:
+    """The n-direction field that runs along features; everything else is free.
+
+    Parameters
+    ----------
+    features : FeatureGraph
+        From sharp_edges() or feature_graph().
+    n : int
+        Even where there are features.
+    across : bool
+        Across the features instead of along.
+    weight : float
+        0: directions are held at features; above 0: features draw softly.
+    fixed : sequence of VertexConstraint
+        Vertices whose direction is held; they win over features.
+    linear : bool
+        The harmonic field alone, without steps of renormalising and diffusing.
+    max_steps, settled_degrees, finest
+        When the steps end, see AlignedOptions in aligned.h.
+
+    Returns
+    -------
+    AlignedField
+    """
+    options = {'n': n, 'across': across, 'weight': weight, 'fixed': list(fixed), 'linear': linear,
+               'max_steps': max_steps, 'settled_degrees': settled_degrees, 'finest': finest, 'solver': solver}
+    return AlignedField(*_alcap.aligned_field(surface, features, options, progress, threads))
+
+
+def measure_features(surface: ConnectedSurface, field: Field, features: FeatureGraph, *,
+                     across: bool = False) -> Dict[str, Any]:
+    """How well a field of even n follows features: dict of lines, all (angles in degrees), singularities_at_corners."""
+    return _alcap.measure_features(surface, field, features, across)
 
 
 # ---- files

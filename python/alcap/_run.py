@@ -108,7 +108,8 @@ class _RunBase:
 
     @property
     def holds(self) -> bool:
-        """Whether the certificate holds: everything in `report['certificate']` is true, and no smaller eigenvalue is known."""
+        """Whether the certificate holds: everything in `report['certificate']` is true, and no smaller eigenvalue is
+        known. What was asked of a design is told by its `controls`."""
         return self._run.holds
 
     @property
@@ -278,6 +279,11 @@ class DesignRun(_RunBase):
     def controls(self) -> List[Dict[str, Any]]:
         """What was asked and what came of it: path, name, type, asked, achieved, error_degrees, met."""
         return self.report['controls']
+
+    @property
+    def controls_met(self) -> bool:
+        """Whether every control was met."""
+        return all(control['met'] for control in self.controls)
 
 
 def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: bool = False,

@@ -7,7 +7,8 @@
 
 #define ALCAP_BINDINGS(X) \
   X(errors)               \
-  X(surface) X(shapes) X(connection) X(field) X(operators) X(solve) X(backends) X(curves) X(design) X(io) X(run)
+  X(surface)              \
+  X(shapes) X(connection) X(field) X(operators) X(solve) X(backends) X(curves) X(design) X(aligned) X(io) X(run)
 
 namespace alcap::python {
 

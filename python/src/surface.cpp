@@ -73,21 +73,6 @@ py::list defects(const std::vector<DefectReport>& reports) {
   return out;
 }
 
-py::dict features(const FeatureGraph& graph) {
-  static constexpr std::array kinds{"smooth", "end", "crease", "corner"};
-  py::list lines, vertices;
-  for (const FeatureLine& line : graph.lines)
-    lines.append(
-        py::make_tuple(moved(std::vector<Index>(line.vertices)), moved(std::vector<Index>(line.edges)), line.closed));
-  for (const FeatureVertex v : graph.vertices) vertices.append(kinds.at(static_cast<std::size_t>(v)));
-  py::dict d;
-  d["edges"] = moved(std::vector<Index>(graph.edges));
-  d["angles"] = moved(std::vector<double>(graph.angles));
-  d["vertices"] = vertices;
-  d["lines"] = lines;
-  return d;
-}
-
 Surface from_lengths(const py::object& F, std::int64_t vertices, const py::object& lengths, const py::object& V) {
   Mesh mesh(faces_of(F), vertices);
   const VectorX<double> reals = reals_of(lengths, "lengths", mesh.edges());
@@ -231,12 +216,6 @@ void bind_surface(py::module_& m) {
   m.def("shortest_path", [](const Surface& s, Index from, Index to) { return moved(shortest_path(s, from, to)); });
   m.def("dihedral_angles",
         [](const Surface& s) { return per(s.mesh().edges(), [&](Index e) { return dihedral_angle(s, e); }); });
-  m.def("sharp_edges", [](const Surface& s, double angle, double corner_angle, bool boundary) {
-    return features(sharp_edges(s, {.angle = angle, .corner_angle = corner_angle, .boundary = boundary}));
-  });
-  m.def("feature_graph", [](const Surface& s, const py::object& list, double corner_angle) {
-    return features(feature_graph(s, indices_of(list, "edges"), corner_angle));
-  });
 }
 
 }  // namespace alcap::python

@@ -79,7 +79,7 @@ DESIGN = {'n': 2, 'singularities': [{'name': 'a', 'face': 40, 'kind': 'trisector
 
 def test_a_design_of_a_dict(bumpy, tmp_path):
     run = alcap.design_field(bumpy, DESIGN)
-    assert run.controls[0]['met'] and run.holds
+    assert run.controls[0]['met'] and run.controls_met and run.holds
     assert run.indices[40] == -1 and run.design['n'] == 2
     assert run.report['command'] == 'design' and run.report['ok']
     alcap.write_design(tmp_path / 'd.json', DESIGN)
@@ -97,3 +97,19 @@ def test_a_session_keeps_what_an_edit_leaves(bumpy):
     with pytest.raises(alcap.Error):
         session.solve({**design, 'singularities': [{'face': 10**6}]})
     assert session.solve(design).holds
+
+
+def test_the_field_runs_along_the_edges_of_a_cube():
+    V, F = alcap.shapes.cube()
+    surface = alcap.connect(alcap.Surface(V, F))
+    creases = alcap.sharp_edges(surface)
+    aligned = alcap.aligned_field(surface, creases, n=4)
+    report = alcap.measure_features(surface, aligned.field, creases)
+    assert len(report['lines']) == 12 and report['all']['edges'] + report['all']['corner_edges'] == 12
+    assert all(piece['settled'] for piece in aligned.pieces)
+    assert alcap.find_singularities(surface, aligned.field)['index'].sum() == 8
+    cylinder = alcap.connect(alcap.Surface(*alcap.shapes.cylinder(24, 12)))
+    rims = alcap.sharp_edges(cylinder)
+    followed = alcap.aligned_field(cylinder, rims, n=4)
+    assert len(rims.lines) == 2 and len(alcap.find_singularities(cylinder, followed.field)) == 0
+    assert alcap.measure_features(cylinder, followed.field, rims)['all']['worst_degrees'] < 1

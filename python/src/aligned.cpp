@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+//
+// aligned.cpp: sharp edges as a graph, and fields that run along them.
+#include "alcap/aligned.h"
+
+#include "alcap/connected_surface.h"
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+
+namespace alcap::python {
+namespace {
+
+constexpr std::array vertex_kinds{"smooth", "end", "crease", "corner"};
+
+py::dict graph_dict(const FeatureGraph& graph) {
+  py::list lines, vertices;
+  for (const FeatureLine& line : graph.lines)
+    lines.append(
+        py::make_tuple(moved(std::vector<Index>(line.vertices)), moved(std::vector<Index>(line.edges)), line.closed));
+  for (const FeatureVertex v : graph.vertices) vertices.append(vertex_kinds.at(static_cast<std::size_t>(v)));
+  py::dict d;
+  d["edges"] = moved(std::vector<Index>(graph.edges));
+  d["angles"] = moved(std::vector<double>(graph.angles));
+  d["vertices"] = vertices;
+  d["lines"] = lines;
+  return d;
+}
+
+/// Of a FeatureGraph of Python.
+FeatureGraph graph_of(const py::object& graph) {
+  FeatureGraph out;
+  out.edges = indices_of(graph.attr("edges"), "edges");
+  const VectorX<double> angles = reals_of(graph.attr("angles"), "angles", static_cast<std::int64_t>(out.edges.size()));
+  out.angles.assign(angles.begin(), angles.end());
+  for (const py::handle v : graph.attr("vertices")) {
+    const auto text = v.cast<std::string>();
+    const auto* const kind = std::find(vertex_kinds.begin(), vertex_kinds.end(), text);
+    if (kind == vertex_kinds.end()) throw OptionError("vertices", text, "is no kind of vertex");
+    out.vertices.push_back(static_cast<FeatureVertex>(kind - vertex_kinds.begin()));
+  }
+  for (const py::handle line : graph.attr("lines"))
+    out.lines.push_back({indices_of(line.attr("vertices"), "vertices"), indices_of(line.attr("edges"), "edges"),
+                         line.attr("closed").cast<bool>()});
+  return out;
+}
+
+py::list pieces(const std::vector<AlignedPiece>& list) {
+  py::list out;
+  for (const AlignedPiece& piece : list) {
+    py::list steps;
+    for (const AlignedStep& s : piece.steps)
+      steps.append(py::make_tuple(s.tau, s.energy, s.largest_degrees, s.rms_degrees));
+    py::dict d;
+    d["held"] = piece.held;
+    d["rows"] = piece.rows;
+    d["lambda"] = piece.lambda;
+    d["steps"] = steps;
+    d["settled"] = piece.settled;
+    d["residual"] = piece.residual;
+    d["solver"] = piece.solver;
+    out.append(d);
+  }
+  return out;
+}
+
+py::dict deviation(const LineDeviation& line) {
+  py::dict d;
+  d["edges"] = line.edges;
+  d["corner_edges"] = line.corner_edges;
+  d["length"] = line.length;
+  d["mean_degrees"] = line.mean_degrees;
+  d["p95_degrees"] = line.p95_degrees;
+  d["worst_degrees"] = line.worst_degrees;
+  d["corner_worst_degrees"] = line.corner_worst_degrees;
+  d["singularities"] = line.singularities;
+  return d;
+}
+
+AlignedOptions options_of(const py::dict& d) {
+  AlignedOptions out{.n = d["n"].cast<int>(),
+                     .across = d["across"].cast<bool>(),
+                     .weight = d["weight"].cast<double>(),
+                     .linear = d["linear"].cast<bool>(),
+                     .max_steps = d["max_steps"].cast<int>(),
+                     .settled_degrees = d["settled_degrees"].cast<double>(),
+                     .finest = d["finest"].cast<double>(),
+                     .solver = d["solver"].cast<std::string>()};
+  for (const py::handle c : d["fixed"])
+    out.fixed.push_back({.vertex = c.attr("vertex").cast<Index>(), .value = c.attr("value").cast<Complex<double>>()});
+  return out;
+}
+
+}  // namespace
+
+void bind_aligned(py::module_& m) {
+  m.def("sharp_edges", [](const Surface& s, double angle, double corner_angle, bool boundary) {
+    return graph_dict(sharp_edges(s, {.angle = angle, .corner_angle = corner_angle, .boundary = boundary}));
+  });
+  m.def("feature_graph", [](const Surface& s, const py::object& list, double corner_angle) {
+    return graph_dict(feature_graph(s, indices_of(list, "edges"), corner_angle));
+  });
+  m.def("aligned_field", [](const ConnectedSurface& s, const py::object& features, const py::dict& options,
+                            const py::object& progress, int threads) {
+    const FeatureGraph graph = graph_of(features);
+    const AlignedOptions how = options_of(options);
+    AlignedResult r = watched(progress, threads, [&] { return aligned_field(s, graph, how); });
+    return py::make_tuple(std::make_shared<Field>(std::move(r.field)), pieces(r.pieces),
+                          moved(std::move(r.free_corners)), r.fixed_degrees);
+  });
+  m.def("measure_features", [](const ConnectedSurface& s, const Field& field, const py::object& features, bool across) {
+    const FeatureReport r = measure_features(s, field, graph_of(features), find_singularities(s, field), across);
+    py::list lines;
+    for (const LineDeviation& line : r.lines) lines.append(deviation(line));
+    py::dict d;
+    d["lines"] = lines;
+    d["all"] = deviation(r.all);
+    d["singularities_at_corners"] = r.singularities_at_corners;
+    return d;
+  });
+}
+
+}  // namespace alcap::python
