@@ -194,26 +194,32 @@ def connect(surface: Surface, connection: str = 'global', *, detail: Optional[fl
             length_factor: Optional[str] = None, tan_cap: Optional[float] = None,
             cones: Optional[Sequence[Tuple[int, float]]] = None, balance_cones: Optional[bool] = None,
             generator_holonomy: Optional[Sequence[float]] = None, loop_index: Optional[Sequence[float]] = None,
-            n: int = 1, progress: Progress = None, threads: int = 0) -> ConnectedSurface:
+            target: Optional[Mapping[str, npt.ArrayLike]] = None, spread: Optional[bool] = None, n: int = 1, progress: Progress = None, threads: int = 0) -> ConnectedSurface:
     """A surface with a connection on it.
 
     Parameters
     ----------
     surface : Surface
     connection : str
-        'global' (as Levi-Civita as possible), 'local', 'polar', 'polar-barycenter', or 'trivial' with cones.
+        'global' (as Levi-Civita as possible), 'local', 'polar', 'polar-barycenter', 'trivial' with cones that are
+        multiples of 1/n, or 'metric': with cones of any size, or nearest to a target.
     detail : float
         Smaller spreads the curvature of a vertex over more faces: fields ignore small bumps. 1 by default.
     length_factor : str
         'mean_edge' (default), 'metric' or 'per_edge'.
     cones : sequence of (vertex, index)
-        Of a trivial connection; indices in turns. They must sum to the Euler characteristic.
+        Of a trivial or metric connection; indices in turns. They must sum to the Euler characteristic.
     balance_cones : bool
         Add cones until they do.
     generator_holonomy, loop_index : sequence of float
         In turns, of surface.homology_generators() and surface.boundary_loops.
+    target : dict with one array
+        Of a metric connection: rotation (3 #F,), adjustment (3 #F,), vertex_curvature (#V,) or face_curvature (#F,),
+        radians.
+    spread : bool
+        With a target: whether the curvature of vertices may spread over faces; True by default.
     n : int
-        Cones and holonomies are multiples of 1/n turn.
+        Of a trivial connection: cones and holonomies are multiples of 1/n turn.
 
     Returns
     -------
@@ -225,7 +231,8 @@ def connect(surface: Surface, connection: str = 'global', *, detail: Optional[fl
     OptionError
     """
     options = _given(connection=connection, detail=detail, length_factor=length_factor, tan_cap=tan_cap, cones=cones,
-                     balance_cones=balance_cones, generator_holonomy=generator_holonomy, loop_index=loop_index, n=n)
+                     balance_cones=balance_cones, generator_holonomy=generator_holonomy, loop_index=loop_index,
+                     target=None if target is None else dict(target), spread=spread, n=n)
     return _alcap.connect(surface, options, progress, threads)
 
 
@@ -329,6 +336,11 @@ def field_value(surface: ConnectedSurface, field: Field, face: int,
                 barycentric: Sequence[float]) -> Tuple[complex, complex, complex]:
     """u and its derivatives along the axes of the face's frame, at a point of a face."""
     return _alcap.field_value(surface, field.n, field.u, face, barycentric)
+
+
+def edge_value(surface: ConnectedSurface, field: Field, h: int, s: float) -> Tuple[complex, complex]:
+    """u and its derivative along halfedge h, at the fraction s of the way to its tip, in the frame of the halfedge."""
+    return _alcap.edge_value(surface, field.n, field.u, h, s)
 
 
 # ---- solvers
@@ -515,6 +527,11 @@ def stroke_through_points(surface: Surface, faces: npt.ArrayLike, barycentric: n
     return _alcap.stroke_through_points(surface, faces, barycentric)
 
 
+def polyline_through(surface: Surface, faces: npt.ArrayLike, barycentric: npt.ArrayLike) -> Polyline:
+    """A line through points, each of which lies in a face with the next one; needs no positions."""
+    return _alcap.polyline_through(surface, faces, barycentric)
+
+
 def stroke_along_vertices(surface: Surface, vertices: npt.ArrayLike) -> Polyline:
     """A line along edges; vertices (k,) that no edge joins are joined by a shortest path."""
     return _alcap.stroke_along_vertices(surface, vertices)
@@ -630,6 +647,29 @@ class Designer:
         """Removes a control."""
         self._designer.remove(id)
         del self._controls[id]
+
+    def _refresh(self) -> None:
+        now: Dict[int, Control] = {number: c for number, c in self._controls.items()
+                                   if not isinstance(c, SingularityTarget)}
+        now.update({number: SingularityTarget(**members) for number, members in self._designer.controls()})
+        self._controls = dict(sorted(now.items()))
+
+    def move(self, id: int, face: int) -> None:
+        """Moves a singularity to another face; its direction is carried along."""
+        self._designer.move(id, face)
+        self._refresh()
+
+    def merge(self, id: int, other: int) -> Optional[int]:
+        """Two singularities become one, whose indices add; None where they cancel."""
+        left = self._designer.merge(id, other)
+        self._refresh()
+        return left
+
+    def split(self, id: int, face: int, count: int = 1) -> int:
+        """`count` n-ths of a singularity go to another face, as a new control, whose id is returned."""
+        made = self._designer.split(id, face, count)
+        self._refresh()
+        return made
 
     def set_guidance(self, u0: npt.ArrayLike) -> None:
         """The field u0 (#V,) complex to stay close to; needs a guidance weight or t."""
@@ -770,12 +810,14 @@ def write_field(surface: ConnectedSurface, field: Field, *files: Path, singulari
 
 @dataclass(frozen=True)
 class FieldFile:
-    """A field read back: V (#V, 3), F (#F, 3), the field bit for bit, and the kind of its connection."""
+    """A field read back: V (#V, 3), F (#F, 3), the field bit for bit, the kind of its connection, and whether the file
+    says all of it."""
 
     V: Floats
     F: Ints
     field: Field
     connection: str
+    connection_known: bool
 
 
 def read_field(path: Path) -> FieldFile:

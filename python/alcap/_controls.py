@@ -24,6 +24,8 @@ class SingularityTarget:
         1 holds against a guidance field of unit length.
     pin : (float, float, float), optional
         Puts the zero exactly at these barycentric coordinates.
+    count : int
+        So many zeros of index sign / n side by side, as one pattern of index sign * count / n.
     """
 
     face: int
@@ -31,6 +33,7 @@ class SingularityTarget:
     orientation: float = 0.0
     strength: float = 1.0
     pin: Optional[Tuple[float, float, float]] = None
+    count: int = 1
     kind: ClassVar[str] = 'singularity'
 
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:  # pragma: no cover
     from matplotlib.figure import Figure
 
 _CONNECTION = ('connection', 'detail', 'length_factor', 'tan_cap', 'cones', 'balance_cones', 'generator_holonomy',
-               'loop_index')
+               'loop_index', 'target', 'spread')
 _EIGEN = ('tolerance', 'solver', 'method', 'max_iterations', 'seed', 'prove_smallest')
 
 

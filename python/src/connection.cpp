@@ -28,6 +28,31 @@ py::list cones_list(const std::vector<Cone>& cones) {
   return out;
 }
 
+namespace {
+
+/// One array by its name.
+ConnectionTarget target_of(const py::dict& d) {
+  ConnectionTarget out;
+  for (const auto& [key, value] : d) {
+    const auto name = key.cast<std::string>();
+    const VectorX<double> values = reals_of(py::reinterpret_borrow<py::object>(value), "target");
+    if (name == "rotation") {
+      out.rotation = values;
+    } else if (name == "adjustment") {
+      out.adjustment = values;
+    } else if (name == "vertex_curvature") {
+      out.vertex_curvature = values;
+    } else if (name == "face_curvature") {
+      out.face_curvature = values;
+    } else {
+      throw OptionError("target", name, "must be one of rotation adjustment vertex_curvature face_curvature");
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
 ConnectionOptions connection_of(const py::dict& d) {
   ConnectionOptions out;
   for (const auto& [key, value] : d) {
@@ -36,7 +61,7 @@ ConnectionOptions connection_of(const py::dict& d) {
     if (name == "connection") {
       const auto text = value.cast<std::string>();
       const auto choice = connection_choice(text);
-      if (!choice) throw OptionError(name, text, "must be one of polar polar-barycenter local global trivial");
+      if (!choice) throw OptionError(name, text, "must be one of polar polar-barycenter local global trivial metric");
       out.kind = choice->kind;
       out.polar.center = choice->center;
     } else if (name == "detail") {
@@ -53,6 +78,10 @@ ConnectionOptions connection_of(const py::dict& d) {
       out.generator_holonomy = value.cast<std::vector<double>>();
     } else if (name == "loop_index") {
       out.loop_index = value.cast<std::vector<double>>();
+    } else if (name == "target") {
+      out.target = target_of(value.cast<py::dict>());
+    } else if (name == "spread") {
+      out.spread = value.cast<bool>();
     } else if (name == "n") {
       out.n = value.cast<int>();
     } else {
@@ -163,6 +192,9 @@ void bind_connected(py::module_& m) {
         return d;
       },
       "dict: converged, iterations, residual, D_T, D_E, message.");
+  c.def(
+      "admits_parallel", [](const ConnectedSurface& s, int n) { return s.connection().admits_parallel(n); },
+      py::arg("n"), "Whether an n-field can be parallel everywhere but at the cones of a flat connection.");
   c.def(
       "rho_along",
       [](const ConnectedSurface& s, Index h) {

@@ -129,6 +129,9 @@ void bind_lines(py::module_& m) {
   m.def("stroke_through_points", [](const Surface& s, const py::object& faces, const py::object& barycentric) {
     return std::make_shared<SurfacePolyline>(stroke_through_points(s, points_of(faces, barycentric)));
   });
+  m.def("polyline_through", [](const Surface& s, const py::object& faces, const py::object& barycentric) {
+    return std::make_shared<SurfacePolyline>(polyline_through(s, points_of(faces, barycentric)));
+  });
   m.def("stroke_along_vertices", [](const Surface& s, const py::object& vertices) {
     return std::make_shared<SurfacePolyline>(stroke_along_vertices(s, indices_of(vertices, "vertices")));
   });

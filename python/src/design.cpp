@@ -21,6 +21,7 @@ SingularityTarget target_of(const py::object& c) {
                       .sign = c.attr("sign").cast<int>(),
                       .orientation = c.attr("orientation").cast<double>(),
                       .strength = c.attr("strength").cast<double>()};
+  t.count = c.attr("count").cast<int>();
   if (!c.attr("pin").is_none()) t.pin = c.attr("pin").cast<std::array<double, 3>>();
   return t;
 }
@@ -76,8 +77,40 @@ class Live {
     Control c = control_of(control);
     call([&] { designer_->set(ControlId{id}, std::move(c)); });
   }
+  /// (id, members) of the singularities: what moving, merging and splitting made of them.
+  py::list controls() {
+    std::map<ControlId, Control> all;
+    call([&] { all = designer_->controls(); });
+    py::list out;
+    for (const auto& [id, control] : all) {
+      const auto* t = std::get_if<SingularityTarget>(&control);
+      if (t == nullptr) continue;
+      py::dict d;
+      d["face"] = t->face;
+      d["sign"] = t->sign;
+      d["count"] = t->count;
+      d["orientation"] = t->orientation;
+      d["strength"] = t->strength;
+      d["pin"] = t->pin;
+      out.append(py::make_tuple(static_cast<int>(id), d));
+    }
+    return out;
+  }
   void remove(int id) {
     call([&] { designer_->remove(ControlId{id}); });
+  }
+  void move(int id, Index face) {
+    call([&] { designer_->move(ControlId{id}, face); });
+  }
+  std::optional<int> merge(int id, int other) {
+    std::optional<ControlId> left;
+    call([&] { left = designer_->merge(ControlId{id}, ControlId{other}); });
+    return left ? std::optional(static_cast<int>(*left)) : std::nullopt;
+  }
+  int split(int id, Index face, int count) {
+    ControlId made{};
+    call([&] { made = designer_->split(ControlId{id}, face, count); });
+    return static_cast<int>(made);
   }
   void set_guidance(const py::object& u0) {
     const auto values = complex_of(u0, "u0");
@@ -159,6 +192,10 @@ void bind_design(py::module_& m) {
       .def("add", &Live::add)
       .def("set", &Live::set)
       .def("remove", &Live::remove)
+      .def("move", &Live::move)
+      .def("merge", &Live::merge)
+      .def("split", &Live::split)
+      .def("controls", &Live::controls)
       .def("set_guidance", &Live::set_guidance)
       .def("set_guidance_weight", &Live::set_guidance_weight)
       .def("set_guidance_weights", &Live::set_guidance_weights)

@@ -68,7 +68,7 @@ void bind_io(py::module_& m) {
     FieldFile file = watched(py::none(), 0, [&] { return read_field(path); });
     const py::ssize_t faces = file.F.rows();
     return py::make_tuple(moved_rows(std::move(file.V)), moved(std::move(file.F), {faces, 3}),
-                          std::make_shared<Field>(std::move(file.field)), name(file.connection));
+                          std::make_shared<Field>(std::move(file.field)), name(file.connection), file.connection_known);
   });
   m.def("write_curves", [](const CurveSet& curves, int n, const std::string& path) {
     long_call(py::none(), 0, [&] { write_curves(curves, n, path); });

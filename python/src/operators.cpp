@@ -29,6 +29,11 @@ void bind_operators(py::module_& m) {
     const auto built = watched(py::none(), 0, [&] { return first_order_operators(s, options); });
     return py::make_tuple(sparse(face_vertex_matrix(s.mesh(), built.p)), sparse(face_vertex_matrix(s.mesh(), built.q)));
   });
+  m.def("edge_value", [](const ConnectedSurface& s, int n, const py::object& u, Index h, double fraction) {
+    if (!(fraction >= 0 && fraction <= 1)) throw OptionError("s", fraction, "must be in [0, 1]");
+    const EdgeValue v = edge_field(s, n, complex_of(u, "u", s.mesh().vertices()), h).at(fraction);
+    return py::make_tuple(v.u, v.along);
+  });
   m.def("field_value",
         [](const ConnectedSurface& s, int n, const py::object& u, Index t, const std::array<double, 3>& barycentric) {
           if (t < 0 || t >= s.mesh().faces()) throw OptionError("face", t, "is no face");

@@ -113,3 +113,15 @@ def test_the_field_runs_along_the_edges_of_a_cube():
     followed = alcap.aligned_field(cylinder, rims, n=4)
     assert len(rims.lines) == 2 and len(alcap.find_singularities(cylinder, followed.field)) == 0
     assert alcap.measure_features(cylinder, followed.field, rims)['all']['worst_degrees'] < 1
+
+
+def test_singularities_move_merge_and_split(bumpy):
+    designer = alcap.Designer(alcap.connect(bumpy), n=4)
+    first = designer.add(alcap.SingularityTarget(face=70, sign=1, count=2))
+    designer.move(first, 300)
+    assert designer.controls[first].face == 300 and designer.controls[first].count == 2
+    second = designer.split(first, 70)
+    assert designer.controls[first].count == 1 and designer.controls[second].face == 70
+    found = alcap.find_singularities(alcap.connect(bumpy), designer.solve().field)
+    assert {70, 300} <= set(found['face'][found['index'] == 1].tolist())
+    assert designer.merge(first, second) == first and set(designer.controls) == {first}

@@ -187,3 +187,20 @@ def test_an_intrinsic_surface():
     run = alcap.smoothest_field(intrinsic, n=4)
     assert run.frames is None and run.holds
     assert run.eigen[0]['lambda'] == pytest.approx(alcap.smoothest_field(surface, n=4).eigen[0]['lambda'], rel=1e-6)
+
+
+def test_a_metric_connection_has_the_curvature_that_was_asked_for(bumpy):
+    K = np.full(bumpy.n_faces, 4 * np.pi / bumpy.n_faces)
+    assert np.allclose(alcap.connect(bumpy, 'metric', target={'face_curvature': K}).K, K, atol=1e-8)
+    cone = alcap.connect(bumpy, 'metric', cones=[(0, 0.7), (200, 1.3)])
+    away = ~np.isin(bumpy.F, [0, 200]).any(axis=1)
+    assert np.abs(cone.K[away]).max() < 1e-8 and cone.admits_parallel(10) and not cone.admits_parallel(1)
+    with pytest.raises(alcap.OptionError):
+        alcap.connect(bumpy, 'metric', target={'face_curvature': 2 * K})
+
+
+def test_values_along_an_edge_are_those_of_both_ends(bumpy, cross):
+    h = 17
+    for s, vertex in ((0.0, bumpy.F.ravel()[h]), (1.0, bumpy.F[h // 3, (h % 3 + 1) % 3])):
+        value, along = alcap.edge_value(cross.connection, cross.field, h, s)
+        assert abs(value) == pytest.approx(abs(cross.u[vertex]), rel=1e-12) and np.isfinite(along)
