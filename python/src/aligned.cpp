@@ -84,8 +84,8 @@ AlignedOptions options_of(const py::dict& d) {
                      .linear = d["linear"].cast<bool>(),
                      .max_steps = d["max_steps"].cast<int>(),
                      .settled_degrees = d["settled_degrees"].cast<double>(),
-                     .finest = d["finest"].cast<double>(),
-                     .solver = d["solver"].cast<std::string>()};
+                     .finest = d["finest"].cast<double>()};
+  out.eigen.solver = d["solver"].cast<std::string>();
   for (const py::handle c : d["fixed"])
     out.fixed.push_back({.vertex = c.attr("vertex").cast<Index>(), .value = c.attr("value").cast<Complex<double>>()});
   return out;
