@@ -14,13 +14,15 @@ using Scalar = Complex<double>;
 struct Method {
   std::string name, method, solver = "auto";
   perf::Limits limits = {};
+  Prove prove = Prove::never;
 };
 
 // Factors of large meshes and hundreds of solves only waste time.
 const perf::Limits direct{.faces = 400'000, .bytes_per_face = 2000}, simplicial{.faces = 100'000};
 
 std::vector<Method> methods() {
-  std::vector<Method> all{{.name = "auto", .method = "auto"}};
+  std::vector<Method> all{{.name = "auto", .method = "auto"},
+                          {.name = "auto+proof", .method = "auto", .prove = Prove::always}};
   for (const std::string& m : eigen_solvers()) {
     if (m == "dense") continue;
     all.push_back({.name = m, .method = m, .limits = m == "lobpcg" ? perf::Limits{} : direct});
@@ -34,8 +36,9 @@ void ours(benchmark::State& state, const Prepared& p, int threads, int n, const 
   const auto& [S, M] = p.matrices(n);
   EigenResult result;
   perf::timed_solver(state, p, threads, [&] {
-    result = smallest_eigenpair(S, M, p.geometry.total_area(),
-                                {.tolerance = tolerance, .solver = method.solver, .method = method.method});
+    result = smallest_eigenpair(
+        S, M, p.geometry.total_area(),
+        {.tolerance = tolerance, .solver = method.solver, .method = method.method, .prove_smallest = method.prove});
   });
   state.counters["its"] = result.report.iterations;
   state.counters["residual"] = perf::eigen_residual(S, M, result.u);
@@ -85,7 +88,7 @@ void declare(const perf::Plan& plan) {
         [=](benchmark::State& state, const Prepared& p, int threads) { baseline(state, p, threads, n, "cholmod", 20); },
         direct);
     for (const Method& method : methods()) {
-      if (method.name == "auto" || method.solver != "auto") continue;
+      if (method.method == "auto" || method.solver != "auto") continue;
       perf::Limits small = method.limits;
       small.faces = std::min<std::int64_t>(small.faces, 100'000);
       for (const char* digits : {"1e-4", "1e-6", "1e-9"})

@@ -161,8 +161,9 @@ struct EigenReport {
   std::optional<double> next;
   double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|), recomputed
   /// r^H diag(S)^-1 r / max(lambda, 1e-6/area) with r = S u - lambda M u and |u|_M = 1, recomputed: to first order the
-  /// part of lambda that Jacobi steps would still remove. It weighs every vertex by its own stiffness, so that errors
-  /// at needles, whose areas make them vanish from |r|, do not hide.
+  /// part of lambda that is an error of single vertices. It knows no areas and no unit: every vertex is weighed by its
+  /// own stiffness, where |r| sees little of vertices with small areas. With `lower_bound`, lambda itself is the other
+  /// bound of the smallest eigenvalue, whatever the residuals.
   double energy_residual = 0;
   Smallest smallest = Smallest::not_checked;  ///< what is known about lambda being the smallest
   /// Proven: no eigenvalue lies below this. At most 1e-6 of max(lambda, 1/area) below lambda, more where the tolerance

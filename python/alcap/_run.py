@@ -114,7 +114,7 @@ class _RunBase:
 
     @property
     def eigen(self) -> List[Dict[str, Any]]:
-        """Per component: solver, converged, iterations, lambda, next, residual, smallest and more, see smallest_eigenpair()."""
+        """Per component what smallest_eigenpair() reports: lambda, next, residual, smallest and more."""
         return self._run.eigen
 
     @property
