@@ -25,6 +25,7 @@
 
 #include "alcap/connection.h"
 #include "alcap/energies.h"
+#include "alcap/petsc.h"
 #include "alcap/solve.h"
 #include "perf/spheres.h"
 #include "src/base/clock.h"
@@ -283,6 +284,9 @@ inline int run(int argc, char** argv, const std::function<void(const Plan&)>& de
       return 2;
     }
   }
+#ifdef ALCAP_WITH_PETSC
+  const auto petsc = register_petsc_backends();
+#endif
   declare(plan);
   benchmark::RunSpecifiedBenchmarks();
   return 0;

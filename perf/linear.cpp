@@ -66,7 +66,7 @@ void declare(const perf::Plan& plan) {
     if (backend.starts_with("cholmod")) limits.bytes_per_face = 2200;
     // Simplicial factors do not scale, nor does CG with an incomplete one; beyond this they only waste time.
     if (backend == "eigen-ldlt") limits.faces = 100'000;
-    if (backend == "eigen-cg") limits.faces = 400'000;
+    if (backend == "eigen-cg" || backend.starts_with("petsc")) limits.faces = 400'000;
     const std::string extra = "backend:" + backend;
     perf::add(
         plan, "linear_setup", extra,
@@ -90,7 +90,8 @@ void declare(const perf::Plan& plan) {
     limits.faces = std::min<std::int64_t>(limits.faces, 100'000);
     for (const char* digits : {"1e-4", "1e-6", "1e-8", "1e-10", "1e-12"}) {
       // Direct ones know no tolerance.
-      if (backend != "multigrid" && backend != "eigen-cg" && std::string(digits) != "1e-12") continue;
+      const bool direct = backend.starts_with("cholmod") || backend == "eigen-ldlt" || backend == "petsc-mumps";
+      if (direct && std::string(digits) != "1e-12") continue;
       perf::add(
           plan, "linear_tolerance", extra + "/tolerance:" + digits,
           [=](benchmark::State& state, const Prepared& p, int threads) {

@@ -78,9 +78,10 @@ class Run {
       const bool finished = solve(u, tolerance, result.report);
       if (!u.allFinite() || !(u.squaredNorm() > 0)) break;
       const PairCheck now = check_pair(problem_, u, Su, Mu);
-      const bool gained = now.residual < no_gain * best;
-      if (now.residual < best) {
-        best = now.residual;
+      const double residual = std::max(now.residual, now.energy);  // both are asked for
+      const bool gained = residual < no_gain * best;
+      if (residual < best) {
+        best = residual;
         result.u = u;
       }
       if (best <= options_.tolerance || !gained || !finished || used_ >= options_.max_iterations) break;

@@ -158,6 +158,7 @@ TEST_CASE("the smallest eigenpair: every method over every kind of preconditione
               smallest_eigenpair(p.S, p.M, p.area, {.solver = solver, .method = method, .max_iterations = 5000});
           CHECK(r.report.converged);
           CHECK(true_residual(p, r) <= 1e-8);
+          CHECK(r.report.smallest == Smallest::proven);  // by the library, whoever found it
           CHECK(r.report.residual == doctest::Approx(true_residual(p, r)).epsilon(0.05));
           CHECK(std::abs(r.report.lambda - exact) <= 1e-8 * std::max(exact, 1 / p.area));
           CHECK(std::abs(r.u.dot(p.M * r.u) - 1.0) <= 1e-10);
