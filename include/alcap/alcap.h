@@ -37,6 +37,7 @@
 #include "alcap/operators.h"
 #include "alcap/output.h"
 #include "alcap/petsc.h"
+#include "alcap/plan.h"
 #include "alcap/sharp_edges.h"
 #include "alcap/shortest_path.h"
 #include "alcap/singularities.h"

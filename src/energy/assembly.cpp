@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "src/base/limits.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -13,7 +14,7 @@ namespace alcap {
 HermitianPattern::HermitianPattern(const Mesh& mesh) {
   const Index vertices = mesh.vertices();
   const std::int64_t nonzeros = std::int64_t{vertices} + 2 * std::int64_t{mesh.edges()};
-  if (nonzeros > std::numeric_limits<Index>::max())
+  if (nonzeros > detail::most_entries)
     throw OptionError("mesh", std::to_string(nonzeros) + " matrix entries",
                       "at most 2^31 - 1 fit 32-bit sparse indices");
 
@@ -73,7 +74,7 @@ SparseMatrix<Complex<double>> HermitianPattern::matrix() const {
 }
 
 SparseMatrix<double> real_view(const SparseMatrix<Complex<double>>& A) {
-  if (A.nonZeros() > std::numeric_limits<Index>::max() / 4)
+  if (A.nonZeros() > detail::most_entries / 4)
     throw OptionError("A", std::to_string(A.nonZeros()) + " entries",
                       "its real view has four times as many, and at most 2^31 - 1 fit 32-bit sparse indices");
   SparseMatrix<double> R(2 * A.rows(), 2 * A.cols());

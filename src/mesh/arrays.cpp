@@ -3,6 +3,7 @@
 
 #include <limits>
 
+#include "src/base/limits.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 
@@ -64,7 +65,7 @@ template <class T>
 
 template <class T>
 Faces copy_faces(const ThreeColumns<T>& F) {
-  if (F.rows > std::int64_t{std::numeric_limits<Index>::max()} / 3)
+  if (F.rows > detail::most_faces)
     throw OptionError("F", std::to_string(F.rows) + " rows", "must be below 2^31 / 3: halfedges have 32-bit numbers");
   Faces out(F.rows, 3);
   const bool good = parallel_reduce(

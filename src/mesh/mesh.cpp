@@ -12,6 +12,7 @@
 
 #include "alcap/mesh_check.h"
 #include "src/base/array.h"
+#include "src/base/limits.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -172,7 +173,7 @@ bool in_range(const Faces& F, std::int64_t vertex_count) {
 }  // namespace
 
 Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
-  constexpr std::int64_t largest = std::numeric_limits<Index>::max() / 3;
+  constexpr std::int64_t largest = detail::most_faces;
   if (F_.rows() == 0 || F_.rows() > largest || vertex_count > largest) throw_first_defect(F_, vertex_count);
   if (!in_range(F_, vertex_count)) throw_first_defect(F_, vertex_count);
   vertex_count_ = static_cast<Index>(vertex_count);

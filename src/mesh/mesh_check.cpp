@@ -11,6 +11,7 @@
 
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/base/limits.h"
 #include "src/base/numbers.h"
 #include "src/mesh/face_edges.h"
 
@@ -57,7 +58,7 @@ void report(std::vector<DefectReport>& reports, Found found, Defect defect, Elem
 
 /// Whether the numbers of faces, halfedges and vertices fit the index type.
 void check_size(std::vector<DefectReport>& reports, std::int64_t faces, std::int64_t vertices) {
-  constexpr std::int64_t most = std::numeric_limits<Index>::max() / 3;
+  constexpr std::int64_t most = detail::most_faces;
   const auto complain = [&](std::int64_t count, const char* what, Element element) {
     reports.push_back({Defect::index_out_of_range,
                        element,

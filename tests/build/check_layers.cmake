@@ -25,7 +25,7 @@ set(layers
   "src/curves/streamlines  | streamlines"
   "src/design              | controls aligned designer eigen_design design_file"
   "src/io/field            | output"
-  "src/run                 | field_run design_run batch alcap"
+  "src/run                 | field_run design_run batch plan alcap"
   "apps                    |"
   "c                       | alcap_c"
   "python                  |")

@@ -23,7 +23,7 @@ TEST_CASE("help and version go to stdout with exit code 0, and every subcommand 
   CHECK(version.out.find("solvers: ") != std::string::npos);
   CHECK(version.out.find("instruction set: ") != std::string::npos);
   CHECK(folder.run("--help").exit == 0);
-  for (const std::string command : {"field", "info", "ops", "tables", "export-matrices"}) {
+  for (const std::string command : {"field", "info", "ops", "tables", "export-matrices", "plan"}) {
     CAPTURE(command);
     const CliResult help = folder.run(command + " --help");
     CHECK(help.exit == 0);
@@ -179,4 +179,26 @@ TEST_CASE("tables: a small run has every row, and the errors fall with refinemen
   }
   CHECK(compared == 2);
   CHECK(!report["euler"].empty());
+}
+
+TEST_CASE("plan says what fits, what does not, and what cannot be numbered, by its exit code") {
+  const CliFolder folder;
+  folder.write("s.obj", icosphere(3));
+  const CliResult mesh = folder.run("plan s.obj -n 4 --speed 1 --memory 4 --json");
+  CHECK(mesh.exit == 0);
+  CHECK(mesh.json()["plan"]["faces"] == 1280);
+  CHECK(mesh.json()["plan"]["matrix_entries"] == 642 + 2 * 1920);
+  CHECK(mesh.json()["plan"]["phases"].size() == 6);
+  CHECK(folder.run("plan 1280 -n 4 --speed 1 --memory 4 --json").json()["plan"] == mesh.json()["plan"]);
+  const CliResult large = folder.run("plan 50000000 --speed 1 --memory 4");
+  CHECK(large.exit == 7);
+  CHECK(large.error_says("triangles fit"));
+  const CliResult beyond = folder.run("plan 1000000000 --speed 1 --memory 100000");
+  CHECK(beyond.exit == 4);
+  CHECK(beyond.error_says("1000000000 faces are more than the 715827882"));
+  CHECK(folder.run("plan 1000 --formats gif").exit == 2);
+  CHECK(folder.run("plan none.obj").exit == 3);
+  const CliResult measured = folder.run("plan 1000 --json");
+  CHECK(measured.exit == 0);
+  CHECK(measured.json()["plan"]["speed"].get<double>() > 0);
 }

@@ -15,6 +15,7 @@
   X(ops)                  \
   X(make)                 \
   X(export_matrices)      \
+  X(plan)                 \
   X(tables)
 
 namespace alcap::app {
