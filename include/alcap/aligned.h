@@ -42,9 +42,11 @@ struct AlignedOptions {
   double weight = 0;
   /// Vertices at which the direction of `value` is held; its length does not matter. They win over features.
   std::vector<VertexConstraint> fixed = {};
-  bool linear = false;           // true: the harmonic field alone, without steps
-  int max_steps = 400;           // of all tau together; disks and CAD parts take 40 to 120
-  double settled_degrees = 0.1;  // a step that changes no direction by more ends the last tau
+  bool linear = false;   // true: the harmonic field alone, without steps
+  int max_steps = 1000;  // of all tau together; CAD parts take 3 to 60, a disk of 30,000 vertices 230
+  /// A tau has settled when a step changes no direction by more than this times tau lambda_1: over a time of
+  /// 1/lambda_1, whatever the steps, as much would change. What is left to move is then a small part of a zero's core.
+  double settled_degrees = 1;
   /// The last tau, in squared edge lengths (if all triangles were alike). With 6, 2.4 edges of diffusion, the zeros of
   /// a disk of 5,000 vertices come within 0.015 of their place; with 2 they take twice the steps, at 1 they stick.
   double finest = 6;
@@ -67,7 +69,7 @@ struct AlignedPiece {
   Index rows = 0;                                   ///< feature edges that draw softly
   double lambda = 0;                                ///< lambda_1 of the piece with the features held at 0, 1/length^2
   std::vector<AlignedStep> steps = {};              ///< in order
-  bool settled = false;                             ///< whether the last step was below settled_degrees; linear: true
+  bool settled = false;                             ///< whether the last tau settled; linear: true
   double residual = 0;                              ///< relative, of the last system, recomputed
   std::string solver = {};                          ///< the linear backend and its choices
   std::optional<EigenReport> eigen = std::nullopt;  ///< a piece without features gets its smoothest field

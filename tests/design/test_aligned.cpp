@@ -85,6 +85,12 @@ TEST_CASE("a boundary-aligned cross field on a disk has four zeros where the ren
   std::sort(angles.begin(), angles.end());
   for (std::size_t k = 1; k < 4; ++k) CHECK(std::abs(angles[k] - angles[k - 1] - pi<double> / 2) < 0.05);
   CHECK(disk_field.report.all.worst_degrees < 0.1);
+  // Finer meshes come closer: the smaller steps of a smaller tau do not end it early.
+  const Aligned finer(disk(80));
+  CHECK(finer.settled());
+  REQUIRE(finer.zeros.size() == 4);
+  for (const Singularity& s : finer.zeros)
+    CHECK(position(finer.surface, s).norm() == doctest::Approx(best_radius()).epsilon(0.01));
   // The harmonic field alone has them crowded in the middle.
   const Aligned harmonic(disk(40), {.linear = true});
   for (const Singularity& s : harmonic.zeros) CHECK(position(harmonic.surface, s).norm() < 0.1);
@@ -144,7 +150,8 @@ TEST_CASE("steps lower the energy of directions at one tau, and every one is rep
     CHECK(steps[k].largest_degrees >= steps[k].rms_degrees);
   }
   CHECK(steps.back().energy < steps.front().energy);
-  CHECK(steps.back().largest_degrees <= AlignedOptions{}.settled_degrees);
+  CHECK(steps.back().largest_degrees <=
+        AlignedOptions{}.settled_degrees * std::min(1.0, steps.back().tau * field.result.pieces[0].lambda));
   const Aligned cut(disk(24), {.max_steps = 3});
   CHECK(cut.result.pieces.at(0).steps.size() == 3);
   CHECK_FALSE(cut.settled());

@@ -25,9 +25,8 @@ using detail::EdgeRow;
 
 // Each tau is this part of the one before.
 constexpr double tau_factor = 0.25;
-// Only the last tau needs to settle; the others bring the zeros near.
-constexpr int coarse_steps = 15;
-constexpr double coarse_settled = 10;
+// Only the last tau must settle; the others bring the zeros near, by longer steps than it could.
+constexpr int coarse_steps = 100;
 // Inverse iterations for lambda_1: one digit is enough to start from.
 constexpr int lambda_iterations = 6;
 // Values of the harmonic field below this part of the largest are not known yet: an iterative solver's error is 1e-10
@@ -178,7 +177,7 @@ class Relaxation {
       solver_->set_transport(block_.M);
       solver_->factorise(A);
       if (piece_.steps.empty()) fill(A, tau);
-      const double settled = options_.settled_degrees * (last ? 1 : coarse_settled);
+      const double settled = options_.settled_degrees * std::min(1.0, tau * piece_.lambda);
       for (int k = 0; (last || k < coarse_steps) && left(); ++k) {
         step(A, tau, 0);
         piece_.settled = last && piece_.steps.back().largest_degrees <= settled;
