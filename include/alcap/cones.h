@@ -21,10 +21,11 @@ struct BalanceOptions {
   std::string solver = "auto";  // backend of the Poisson solves
 };
 
-/// The given cones, and behind them as many of index +1/n or -1/n as each closed component lacks to its Euler
-/// characteristic. Each is placed where the Gaussian curvature that no cone accounts for yet is strongest felt: at the
-/// extremum of the potential L phi = curvature - 2 pi cones - mean (conformal factor; Ben-Chen, Gotsman, Bunin 2008).
-/// Components with boundary get none: their loops take what is left. O(cones) solves with one factorisation. Throws
+/// The given cones, and behind them as many of index +1/n or -1/n as each component lacks to its Euler characteristic,
+/// less what its boundary loops take: the turning of the boundary itself, to the next multiple of 1/n. Each is placed
+/// where the Gaussian curvature that no cone accounts for yet is strongest felt: at the extremum of the potential L phi
+/// = curvature - 2 pi cones - mean (conformal factor; Ben-Chen, Gotsman, Bunin 2008). Cones lie off the boundary; what
+/// a component with few such vertices cannot take is left to its loops. O(cones) solves with one factorisation. Throws
 /// OptionError for cones that trivial() would refuse.
 [[nodiscard]] std::vector<Cone> balance_cones(const Surface& surface, const std::vector<Cone>& cones,
                                               const BalanceOptions& options = {});

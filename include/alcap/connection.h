@@ -96,6 +96,8 @@ struct GlobalOptions {
   /// caps change nothing visible and slow the solve several times.
   double tan_cap = 10.0;
   /// Relative residual of the conjugate gradients. 1e-10 leaves K right to ten digits; float stops at its own rounding.
+  /// Relative to the start, or, where the start is close to the optimum already (regular solids), to what the rounding
+  /// of the angles themselves amounts to.
   double tolerance = 1e-10;
   int max_iterations = 5000;  // 50 are usual, a few hundred on slivers; small detail needs more
 };
@@ -120,9 +122,9 @@ struct Cone {
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.
 struct Connection {
   ConnectionKind kind = ConnectionKind::polar;  ///< how it was built
-  VectorX<double> rho;  ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
-  VectorX<double>
-      rho_e;  ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both ends
+  VectorX<double> rho;      ///< #E: vertex-to-vertex rotation rho_ij along the canonical halfedge i -> j (modulo 2 pi)
+  VectorX<double> rho_e;    ///< 2 #E: [2e] = rho_{vi -> e_ij}, [2e+1] = rho_{vj -> e_ij}, same edge direction at both
+                            ///< ends; lifted around boundary vertices, from their first edge to their last
   VectorX<double> rho_t;    ///< 3 #F: rho_{v -> t} per corner
   VectorX<double> tau;      ///< 3 #F: lifted rotation along halfedge h inside its face
   VectorX<double> eps;      ///< #E: lifted rotation along the canonical halfedge, within the edge

@@ -136,7 +136,8 @@ struct DesignGuidance {
     smoothest,        ///< the smoothest field of this connection
     curvature,        ///< directions of principal curvature (n even), the largest for n = 2
     least_curvature,  ///< n = 2: the direction of least curvature
-    file,             ///< a field that alcap wrote, on the same mesh
+    strongest_curvature,  ///< the direction of the curvature that is largest by magnitude, whatever its sign
+    file,                 ///< a field that alcap wrote, on the same mesh
   };
   Source source = Source::none;            ///< where the guidance field comes from
   std::filesystem::path file = {};         // as written; read_design makes it relative to the folder of the design
@@ -152,6 +153,7 @@ struct NamesOf<DesignGuidance::Source> {
                                                   {DesignGuidance::Source::smoothest, "smoothest"},
                                                   {DesignGuidance::Source::curvature, "curvature"},
                                                   {DesignGuidance::Source::least_curvature, "least-curvature"},
+                                                  {DesignGuidance::Source::strongest_curvature, "strongest-curvature"},
                                                   {DesignGuidance::Source::file, "file"}});
 };
 

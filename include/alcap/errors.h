@@ -55,6 +55,7 @@ enum class Defect {
   zero_length_edge,
   zero_area_face,
   not_orientable,
+  scale_out_of_range,
 };
 
 /// Which kind of element a list of numbers refers to. An edge is named by its two vertices (two entries).
@@ -73,7 +74,8 @@ struct NamesOf<Defect> {
                                   {Defect::non_manifold_vertex, "non_manifold_vertex"},
                                   {Defect::zero_length_edge, "zero_length_edge"},
                                   {Defect::zero_area_face, "zero_area_face"},
-                                  {Defect::not_orientable, "not_orientable"}});
+                                  {Defect::not_orientable, "not_orientable"},
+                                  {Defect::scale_out_of_range, "scale_out_of_range"}});
 };
 template <>
 struct NamesOf<Element> {

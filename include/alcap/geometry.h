@@ -18,12 +18,13 @@ class Geometry {
  public:
   Geometry() = default;
 
-  /// From positions (#V x 3). Throws MeshError (not_finite, zero_length_edge, zero_area_face) naming the elements,
-  /// OptionError when V does not have mesh.vertices() rows.
+  /// From positions (#V x 3). Throws MeshError (not_finite, zero_length_edge, zero_area_face, scale_out_of_range)
+  /// naming the elements, OptionError when V does not have mesh.vertices() rows.
   Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& V);
 
   /// From edge lengths (#E, in the order of mesh edges): an intrinsic surface, such as a flat torus, that need not lie
-  /// in space. Throws MeshError (zero_area_face) when the triangle inequality fails.
+  /// in space. Throws MeshError (zero_area_face) when the triangle inequality fails,
+  /// (scale_out_of_range) when a length is not within 1 / largest_length and largest_length.
   [[nodiscard]] static Geometry from_lengths(const Mesh& mesh, const VectorX<double>& lengths);
 
   /// Length of edge e.

@@ -31,7 +31,8 @@ struct DefectReport {
 [[nodiscard]] std::vector<DefectReport> find_defects(const Eigen::Ref<const Faces>& F, std::int64_t vertex_count);
 
 /// All geometric defects of faces with in-range indices: points that are not finite (whether a face uses them or not),
-/// edges between vertices at the same position, faces of area zero that have no such edge (see degenerate()).
+/// edges between vertices at the same position, faces of area zero that have no such edge (see degenerate()), faces
+/// larger or smaller than can be computed with (see measurable()).
 [[nodiscard]] std::vector<DefectReport> find_defects(const Positions<double>& V, const Eigen::Ref<const Faces>& F);
 
 /// Throws a report as MeshError.
@@ -40,6 +41,13 @@ struct DefectReport {
 /// Whether the altitude of a triangle over its longest edge is below the rounding of its coordinates, or a coordinate
 /// is not finite. The answer does not depend on the unit of length: everything is measured against the largest extent.
 [[nodiscard]] bool degenerate(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
+                              const Eigen::Matrix<double, 1, 3>& c);
+
+/// Lengths up to this, and down to its inverse, can be computed with: products of four of them are numbers still.
+inline constexpr double largest_length = 1e60;
+
+/// Whether a triangle's longest side is within 1 / largest_length and largest_length, to within a factor of two.
+[[nodiscard]] bool measurable(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
                               const Eigen::Matrix<double, 1, 3>& c);
 
 /// Faces re-oriented so that neighbours agree: in each component the orientation of its smallest face wins.

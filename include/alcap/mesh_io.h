@@ -9,9 +9,12 @@
 // k-th triangle). Nothing is dropped, merged or reordered; only STL, which has no vertices, is welded: corners at
 // exactly the same position (-0 equals 0) become one vertex, numbered by first appearance.
 //
-// The readers are strict. What is not a number (1.5abc, 1,5, 0x10, nan, 1e999) is an error that gives the line and the
-// text, never another number. Every failure is a FileError with the path, the line or byte, and what to do.
-// A regular file is mapped into memory while it is read; do not shorten it meanwhile.
+// The readers are strict about numbers: what is none (1.5abc, 1,5, 0x10, nan, 1e999) is an error that gives the line
+// and the text, never another number. They are tolerant where the meaning is certain all the same, and say so in
+// MeshFile::remarks: statements they do not know, faces of fewer than three corners, vertices without a position that
+// no face uses, lists across lines, a few bytes behind the data. Every failure is a FileError with the path, the line
+// or byte, and what to do. Files are read into memory whole before they are parsed: one that changes meanwhile is an
+// error, or what it was when it was opened.
 //
 //   alcap::MeshFile file = alcap::read_mesh("bunny.ply");
 //   alcap::write_mesh("bunny.off", file.V, file.F);
@@ -60,12 +63,14 @@ struct MeshFile {
     std::int64_t count = 0;  ///< how many
   };
 
-  Positions<double> V;            ///< #V x 3, in the units of the file; all finite
+  Positions<double> V;            ///< #V x 3, in the units of the file; all finite (see remarks)
   Faces F;                        ///< #F x 3, orientation as in the file; indices in [0, #V)
   std::vector<Index> polygon_of;  ///< #F, number of the file's polygon; empty when all faces were triangles
   std::string format;             ///< "obj", "off", "ply" or "stl"
   std::vector<Ignored> ignored;   ///< in order of first appearance
   std::int64_t bytes = 0;         ///< size of the file
+  /// One sentence for everything about the file that is not as its format says, and how it was understood.
+  std::vector<std::string> remarks;
 };
 
 /// Reads a mesh. Throws FileError (missing, unreadable, empty, a directory, cut, malformed, no vertices, no faces,

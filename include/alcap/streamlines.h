@@ -36,6 +36,7 @@ enum class CurveEnd {
   length,       ///< max_length is reached
   separation,   ///< the next step would be too close to another curve or to an earlier part of this one
   stuck,        ///< no progress; faces too thin for the precision of the numbers
+  budget,       ///< the points that this curve, or all of them together, may have are used up
 };
 template <>
 struct NamesOf<CurveEnd> {
@@ -45,7 +46,8 @@ struct NamesOf<CurveEnd> {
                                                               {CurveEnd::loop, "loop"},
                                                               {CurveEnd::length, "length"},
                                                               {CurveEnd::separation, "separation"},
-                                                              {CurveEnd::stuck, "stuck"}});
+                                                              {CurveEnd::stuck, "stuck"},
+                                                              {CurveEnd::budget, "budget"}});
 };
 
 /// Polylines on a surface, one after the other, each along its branch of the field.
@@ -57,6 +59,8 @@ struct CurveSet {
   std::vector<std::int64_t> offsets{0};  ///< #curves + 1: curve k has the points offsets[k] to offsets[k + 1] - 1
   /// Why each curve starts where it does.
   std::vector<CurveEnd> start_reason, end_reason;  ///< #curves
+  /// False when StreamlineOptions::max_points was used up before everything asked for was traced.
+  bool complete = true;
 
   /// How many curves.
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(offsets.size()) - 1; }
@@ -102,7 +106,11 @@ struct StreamlineOptions {
   double singularity_radius = 0.01;
   CurveSides sides = CurveSides::both;  // of trace_curves(): streamlines run both ways
   std::int64_t max_curves = 1'000'000;  // of streamlines(): a bound on memory when `spacing` is too small for the mesh
-  RunControl control = {};              // phase "curves"
+  /// Points (and steps between them) of all curves together, a bound on time and memory where thin faces make curves
+  /// wind without end; a single curve gets a part of them. 0: some for every face and for every sample that `spacing`
+  /// asks for, at most 20 million and two per face. Curves that reach it end as CurveEnd::budget.
+  std::int64_t max_points = 0;
+  RunControl control = {};  // phase "curves"
 };
 
 /// Evenly spaced curves of all families over the whole surface, in the manner of Jobard and Lefer (1997). A cross field

@@ -549,7 +549,7 @@ def streamlines(surface: ConnectedSurface, field: Field, *, progress: Progress =
     ----------
     **options
         In diagonals of the box around the mesh: spacing (0.01), min_length (0.02), max_length (5). separation (0.5, a
-        fraction of spacing), tolerance (1e-6), singularity_radius (0.01), max_curves.
+        fraction of spacing), tolerance (1e-6), singularity_radius (0.01), max_curves, max_points.
 
     Returns
     -------

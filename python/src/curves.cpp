@@ -36,6 +36,8 @@ struct CurveChoice {
         options.sides = named<CurveSides>(value.cast<std::string>(), "sides");
       } else if (name == "max_curves") {
         options.max_curves = value.cast<std::int64_t>();
+      } else if (name == "max_points") {
+        options.max_points = value.cast<std::int64_t>();
       } else if (double* real = number(name)) {
         *real = value.cast<double>();
       } else {

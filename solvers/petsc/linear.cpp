@@ -10,6 +10,7 @@
 
 #include "solvers/linear/stages.h"
 #include "solvers/petsc/session.h"
+#include "src/base/numbers.h"
 
 namespace alcap::detail::petsc {
 namespace {
@@ -112,7 +113,7 @@ class Solver final : public LinearSolver<C> {
     PetscReal grid = 0;
     PetscReal operators = 0;
     if (kind_ == Kind::cg_gamg) check(PCMGGetGridComplexity(pc, &grid, &operators));
-    return std::llround(operators * static_cast<double>(A_.nonZeros()));
+    return detail::rounded<std::int64_t>(operators * static_cast<double>(A_.nonZeros())).value_or(0);
   }
 
   void column(const Eigen::Ref<const Vector>& b, Eigen::Ref<Vector> out, SolveReport& report) const {

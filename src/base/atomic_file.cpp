@@ -4,11 +4,13 @@
 #include "src/base/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
+#include <algorithm>
 #include <cerrno>
+#include <random>
 #include <system_error>
 #include <utility>
 
@@ -18,32 +20,89 @@
 namespace alcap::detail {
 namespace {
 
-// A name nobody else uses: O_EXCL decides, process and counter only make a second try rare.
-std::string unique_suffix() {
-  static std::atomic<unsigned> counter{0};
-  return ".tmp-" + std::to_string(::getpid()) + "-" + std::to_string(counter.fetch_add(1));
+std::filesystem::path folder_of(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.parent_path();
+  return folder.empty() ? "." : folder;
+}
+
+// What temporary names of a target start with. Names may have 255 bytes, so that long ones are cut.
+std::string prefix_of(const std::filesystem::path& target) {
+  constexpr std::size_t most = 200;
+  return "." + target.filename().string().substr(0, most) + ".tmp-";
+}
+
+// The signal may have been somebody's wish to stop. Checks answer every hundredth of a second.
+void after_signal() {
+  ::usleep(20'000);
+  check_cancelled();
 }
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), final_(target_) {
-  std::error_code ignored;
-  if (target_.filename().empty()) fail("this names a folder, not a file", 0);
-  if (std::filesystem::is_symlink(target_, ignored)) {
-    final_ = std::filesystem::weakly_canonical(target_, ignored);
-    if (final_.empty()) final_ = target_;
+std::filesystem::path temporary_name(const std::filesystem::path& target) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::random_device source;
+  std::string name = prefix_of(target);
+  for (int k = 0; k < 4; ++k)
+    for (unsigned bits = source(), digit = 0; digit < 4; ++digit, bits >>= 4) name += digits[bits & 15U];
+  return folder_of(target) / name;
+}
+
+std::vector<std::filesystem::path> find_leftovers(const std::filesystem::path& target) {
+  std::vector<std::filesystem::path> found;
+  const std::string prefix = prefix_of(target);
+  std::error_code error;
+  std::filesystem::directory_iterator entries(folder_of(target), error);
+  for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
+    if (!entries->path().filename().string().starts_with(prefix)) continue;
+    const int descriptor = ::open(entries->path().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
+    if (descriptor < 0) continue;
+    if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) found.push_back(entries->path());
+    ::close(descriptor);
   }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void sync_folder(const std::filesystem::path& folder) noexcept {
+  const int descriptor = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  static_cast<void>(::fsync(descriptor));
+  ::close(descriptor);
+}
+
+std::filesystem::path follow_links(const std::filesystem::path& path) {
+  constexpr int most = 40;  // as the system
+  std::filesystem::path at = path;
+  for (int k = 0; k < most; ++k) {
+    std::error_code error;
+    if (!std::filesystem::is_symlink(std::filesystem::symlink_status(at, error))) return at;
+    const std::filesystem::path to = std::filesystem::read_symlink(at, error);
+    if (error) return at;
+    at = to.is_absolute() ? to : folder_of(at) / to;
+  }
+  return {};
+}
+
+AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), final_(follow_links(target_)) {
+  if (target_.filename().empty()) fail("this names a folder, not a file", 0);
+  if (final_.empty()) fail("this symbolic link leads in a circle", 0);
   struct stat old = {};
   const bool exists = ::stat(final_.c_str(), &old) == 0;
   if (exists && S_ISDIR(old.st_mode)) fail("this is a folder; give the name of a file", 0);
   if (exists && !S_ISREG(old.st_mode)) {
-    descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+    // A pipe opens when it has a reader.
+    while ((descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC)) < 0 && errno == EINTR) after_signal();
     if (descriptor_ < 0) fail("cannot open for writing", errno);
     return;
   }
+  create();
+  if (exists) static_cast<void>(::fchmod(descriptor_, old.st_mode & 07777));  // a replaced file keeps its permissions
+}
+
+void AtomicFile::create() {
   for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
-    temporary_ = final_;
-    temporary_ += unique_suffix();
+    temporary_ = temporary_name(final_);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
     if (descriptor_ < 0 && errno != EEXIST) break;
   }
@@ -52,7 +111,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
     temporary_.clear();
     fail(error == ENOENT ? "cannot write: the folder does not exist; create it first" : "cannot write", error);
   }
-  if (exists) static_cast<void>(::fchmod(descriptor_, old.st_mode & 07777));  // a replaced file keeps its permissions
+  static_cast<void>(::flock(descriptor_, LOCK_EX | LOCK_NB));  // says that its writer lives
 }
 
 AtomicFile::~AtomicFile() { discard(); }
@@ -65,7 +124,10 @@ void AtomicFile::flush() {
 void AtomicFile::flush(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
+    if (written < 0 && errno == EINTR) {
+      after_signal();
+      continue;
+    }
     if (written <= 0) fail("writing failed after " + std::to_string(flushed_) + " bytes", errno);
     bytes.remove_prefix(static_cast<std::size_t>(written));
     flushed_ += written;
@@ -76,16 +138,21 @@ void AtomicFile::flush(std::string_view bytes) {
 void AtomicFile::complete() {
   if (descriptor_ < 0) fail("written twice or after a failure", 0);
   flush();
-  if (::close(std::exchange(descriptor_, -1)) != 0) fail("closing failed", errno);
+  // Pipes have no disk behind them, and some file systems no fsync.
+  if (!temporary_.empty() && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS)
+    fail("the disk did not take it", errno);
   complete_ = true;
 }
 
 void AtomicFile::commit() {
   if (!complete_) complete();
   complete_ = false;
-  if (temporary_.empty()) return;
-  if (::rename(temporary_.c_str(), final_.c_str()) != 0) fail("cannot give the finished file its name", errno);
-  temporary_.clear();
+  if (!temporary_.empty()) {
+    if (::rename(temporary_.c_str(), final_.c_str()) != 0) fail("cannot give the finished file its name", errno);
+    temporary_.clear();
+    sync_folder(folder_of(final_));
+  }
+  if (::close(std::exchange(descriptor_, -1)) != 0) fail("closing failed", errno);
 }
 
 void AtomicFile::discard() noexcept {

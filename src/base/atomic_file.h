@@ -2,10 +2,13 @@
 //
 // atomic_file.h: an output file that appears complete or not at all.
 //
-// Bytes go to a temporary name in the folder of the target; commit() renames it over the target, the destructor removes
-// it when commit() was not reached (an exception). There is no fsync: this guards against failing writers, not against
-// power cuts. A target that exists and is no regular file (a pipe, /dev/stdout) is written directly; a symbolic link is
-// followed. Every failure is a FileError with the target's path.
+// Bytes go to a hidden temporary name in the folder of the target, made up at random and created by nobody else;
+// complete() waits until they are on the disk (fsync), commit() renames it over the target, the destructor removes it
+// when commit() was not reached (an exception). So the target is complete or what it was before, also after a power
+// cut. A process that is killed leaves its temporary name: find_leftovers() recognises it, nobody deletes it.
+//
+// A target that exists and is no regular file (a pipe, /dev/stdout) is written directly; a symbolic link is followed,
+// also to a file that does not exist yet. Every failure is a FileError with the target's path.
 //
 //   alcap::detail::AtomicFile file("out/mesh.off");
 //   file.write("OFF\n");
@@ -16,8 +19,25 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace alcap::detail {
+
+/// A name beside `target` for what is not complete yet: hidden, with the target's name, and random. Whoever creates it
+/// must insist on being the first (O_EXCL, mkdir) and ask again otherwise, and hold an flock on it as long as it
+/// writes.
+[[nodiscard]] std::filesystem::path temporary_name(const std::filesystem::path& target);
+
+/// What runs that died have left beside `target`: temporary names that no living process holds. Best effort: a folder
+/// that cannot be listed has none.
+[[nodiscard]] std::vector<std::filesystem::path> find_leftovers(const std::filesystem::path& target);
+
+/// Makes sure that names created, renamed or removed in a folder survive a power cut, where the system can.
+void sync_folder(const std::filesystem::path& folder) noexcept;
+
+/// Where a chain of symbolic links ends, whether anything is there or not; `path` itself when it is none. Nothing for
+/// links that form a circle.
+[[nodiscard]] std::filesystem::path follow_links(const std::filesystem::path& path);
 
 class AtomicFile {
  public:
@@ -38,7 +58,7 @@ class AtomicFile {
     if (buffer_.size() >= buffer_bytes) flush();
   }
 
-  /// Writes what is left and closes; nothing but commit() may follow. Errors of a full disk are known after it.
+  /// Writes what is left to the disk; nothing but commit() may follow. Errors of a full disk are known after it.
   void complete();
 
   /// complete(), unless that has been called, and renames. Call it once, last.
@@ -55,6 +75,7 @@ class AtomicFile {
 
   void flush();
   void flush(std::string_view bytes);
+  void create();
   void discard() noexcept;
   [[noreturn]] void fail(const std::string& what, int error);
 

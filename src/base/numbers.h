@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// numbers.h: numbers as text, everywhere the shortest that reads back as the same number, and numbers of things.
+// numbers.h: numbers as text, everywhere the shortest that reads back as the same number, numbers of things, and
+// floating numbers that become integers.
 //
 //   number_text(-1e-9);                        // "-1e-09"
 //   counted(1, "face has", "faces have");      // "1 face has"
@@ -8,7 +9,10 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <type_traits>
 
@@ -28,6 +32,26 @@ template <class Number>
 void append_text(std::string& text, Number value) {
   std::array<char, longest_number> digits;
   text.append(digits.data(), put_text(digits.data(), value));
+}
+
+/// The number without its fraction, as an integer in [low, high]: below it (and NaN) low, above it high. A cast of a
+/// number outside of the range of the integer has no defined result; floating numbers become counts only through here
+/// and rounded().
+template <class Integer>
+[[nodiscard]] constexpr Integer to_integer(double value, Integer low, Integer high) {
+  if (!(value > static_cast<double>(low))) return low;
+  if (!(value < static_cast<double>(high))) return high;
+  return static_cast<Integer>(value);
+}
+
+/// The nearest integer (a tie: the even one), or nothing when that is outside of the type, or for NaN.
+template <class Integer>
+[[nodiscard]] std::optional<Integer> rounded(double value) {
+  const double nearest = std::nearbyint(value);
+  // Exact in double, unlike the largest value.
+  constexpr double beyond = 2.0 * static_cast<double>(std::numeric_limits<Integer>::max() / 2 + 1);
+  if (!(nearest >= static_cast<double>(std::numeric_limits<Integer>::min()) && nearest < beyond)) return std::nullopt;
+  return static_cast<Integer>(nearest);
 }
 
 /// At most six significant digits, for numbers that were computed and stand in a sentence.

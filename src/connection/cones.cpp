@@ -29,11 +29,23 @@ class Balance {
         n_(n),
         lacking_(topology.components.size()),
         area_(topology.components.size(), 0.0),
+        left_(topology.components.size(), 0.0),
+        inside_(topology.components.size(), 0),
         curvature_(Vector::Zero(mesh.vertices())),
         share_(Vector::Zero(mesh.vertices())) {
     for (std::size_t c = 0; c < lacking_.size(); ++c) lacking_[c] = topology.components[c].euler;
+    // Boundary loops take the turning of the boundary itself, to the next multiple; cones take what the inside has.
+    for (const Loop& loop : topology.loops) {
+      double turning = 0;
+      for (const Index h : loop.halfedges) turning += geometry.defect(mesh, mesh.tail(h));
+      lacking_[at(loop.component)] -= detail::nearest_multiple(turning / (2 * pi<double>), n);
+    }
     for (Index v = 0; v < mesh.vertices(); ++v)
-      if (mesh.referenced(v)) curvature_[v] = geometry.defect(mesh, v);
+      if (mesh.referenced(v) && !mesh.boundary_vertex(v)) {
+        curvature_[v] = geometry.defect(mesh, v);
+        left_[component(v)] += curvature_[v];
+        ++inside_[component(v)];
+      }
     for (Index h = 0; h < mesh.halfedges(); ++h) share_[mesh.tail(h)] += geometry.area(Mesh::face(h)) / 3;
     for (Index v = 0; v < mesh.vertices(); ++v)
       if (mesh.referenced(v)) area_[component(v)] += share_[v];
@@ -41,37 +53,41 @@ class Balance {
 
   void account(const Cone& cone) {
     curvature_[cone.vertex] -= 2 * pi<double> * cone.index;
+    left_[component(cone.vertex)] -= 2 * pi<double> * cone.index;
     lacking_[component(cone.vertex)] -= cone.index;
   }
 
-  [[nodiscard]] bool unbalanced(std::size_t c) const {
-    return topology_.components[c].boundary_loops == 0 && std::abs(lacking_[c]) * n_ > 0.5;
-  }
+  [[nodiscard]] bool unbalanced(std::size_t c) const { return std::abs(lacking_[c]) * n_ > 0.5; }
   [[nodiscard]] bool done() const {
     for (std::size_t c = 0; c < lacking_.size(); ++c)
       if (unbalanced(c)) return false;
     return true;
   }
 
-  // A component cannot take more cones than it has vertices. This also bounds the work by the input.
-  void require_possible() const {
+  // A component cannot take more cones than it has vertices off its boundary. This also bounds the work by the input.
+  // Loops take what is left, where there are any.
+  void require_possible() {
     for (std::size_t c = 0; c < lacking_.size(); ++c) {
       const double needed = std::abs(lacking_[c]) * n_;
-      const Index vertices = topology_.components[c].vertices;
-      if (unbalanced(c) && !(needed <= double(vertices)))
+      if (topology_.components[c].boundary_loops > 0) {
+        lacking_[c] = std::copysign(std::min(needed, double(inside_[c])) / n_, lacking_[c]);
+        continue;
+      }
+      if (unbalanced(c) && !(needed <= double(inside_[c])))
         throw OptionError("cones", needed,
                           "more cones of 1/" + std::to_string(n_) + " would be needed on component " +
-                              std::to_string(c) + ", which has " + std::to_string(vertices) + " vertices");
+                              std::to_string(c) + ", which has " + std::to_string(inside_[c]) +
+                              " vertices off the boundary");
     }
   }
 
-  // The curvature that cones have not taken, with what is lacking taken evenly off each component.
+  // The curvature that cones have not taken, less the same amount spread evenly over each component.
   [[nodiscard]] MatrixX<double> right_hand_side() const {
     MatrixX<double> b = curvature_;
     for (Index v = 0; v < mesh_.vertices(); ++v) {
       if (topology_.vertex_component[at(v)] == none) continue;
       const std::size_t c = component(v);
-      b(v, 0) -= 2 * pi<double> * lacking_[c] * share_[v] / area_[c];
+      b(v, 0) -= left_[c] * share_[v] / area_[c];
     }
     return b;
   }
@@ -81,7 +97,7 @@ class Balance {
     const double sign = lacking_[c] > 0 ? 1 : -1;
     Index best = none;
     for (Index v = 0; v < mesh_.vertices(); ++v)
-      if (topology_.vertex_component[at(v)] == static_cast<Index>(c) &&
+      if (topology_.vertex_component[at(v)] == static_cast<Index>(c) && !mesh_.boundary_vertex(v) &&
           (best == none || sign * phi(v, 0) > sign * phi(best, 0)))
         best = v;
     return {.vertex = best, .index = sign / n_};
@@ -93,7 +109,8 @@ class Balance {
   const Mesh& mesh_;
   const Topology& topology_;
   int n_;
-  std::vector<double> lacking_, area_;
+  std::vector<double> lacking_, area_, left_;  // of each component: index, area, curvature that cones have not taken
+  std::vector<std::int64_t> inside_;           // its vertices off the boundary, where cones can be
   Vector curvature_, share_;
 };
 

@@ -20,7 +20,8 @@ void report(const Refinement& refinement, ConnectionReport& out) {
   out.message.clear();
   if (!out.converged)
     out.message = "the global connection stopped after " + std::to_string(out.iterations) +
-                  " iterations above its tolerance; raise max_iterations, tolerance or detail";
+                  " iterations above its tolerance; raise GlobalOptions::max_iterations, GlobalOptions::tolerance or "
+                  "GlobalOptions::detail";
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "alcap/connection.h"
 #include "src/base/array.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/connection/cone_index.h"
 #include "src/connection/cone_problem.h"
@@ -87,24 +88,29 @@ Vector check_cones(const Mesh& mesh, const Topology& topology, const Wish& wish)
 // Loop indices: multiples of 1/n nearest to `turns` whose sum over each component is what the cones leave.
 std::vector<double> round_loops(const Topology& topology, const Vector& vertex_index, const std::vector<double>& turns,
                                 int n) {
-  std::vector<double> rounded(turns.size());
-  for (std::size_t c = 0; c < topology.components.size(); ++c) {
-    std::vector<std::size_t> loops;
-    for (std::size_t l = 0; l < turns.size(); ++l)
-      if (topology.loops[l].component == static_cast<Index>(c)) loops.push_back(l);
-    if (loops.empty()) continue;
-    double missing = topology.components[c].euler;
-    for (Eigen::Index v = 0; v < vertex_index.size(); ++v)
-      if (topology.vertex_component[at(v)] == static_cast<Index>(c)) missing -= vertex_index[v];
-    for (const std::size_t l : loops) missing -= rounded[l] = detail::nearest_multiple(turns[l], n);
-    // Whole steps of 1/n are left over; they go where rounding went furthest the other way.
-    for (auto steps = std::lround(missing * n); steps != 0; steps += steps > 0 ? -1 : 1) {
-      const double step = steps > 0 ? 1.0 : -1.0;
-      const std::size_t best = *std::max_element(loops.begin(), loops.end(), [&](std::size_t a, std::size_t b) {
-        return step * (turns[a] - rounded[a]) < step * (turns[b] - rounded[b]);
-      });
-      rounded[best] += step / n;
-    }
+  std::vector<double> rounded(turns.size()), missing(topology.components.size());
+  std::vector<std::vector<std::size_t>> loops(topology.components.size());
+  for (std::size_t c = 0; c < missing.size(); ++c) missing[c] = topology.components[c].euler;
+  for (Eigen::Index v = 0; v < vertex_index.size(); ++v)
+    if (topology.vertex_component[at(v)] != none) missing[at(topology.vertex_component[at(v)])] -= vertex_index[v];
+  for (std::size_t l = 0; l < turns.size(); ++l) {
+    const std::size_t c = at(topology.loops[l].component);
+    loops[c].push_back(l);
+    missing[c] -= rounded[l] = detail::nearest_multiple(turns[l], n);
+  }
+  for (std::size_t c = 0; c < loops.size(); ++c) {
+    if (loops[c].empty()) continue;
+    // Whole steps of 1/n are left over, fewer than there are loops unless the cones take far too much. They are spread
+    // evenly, and the last ones go where rounding went furthest the other way.
+    const auto steps = detail::rounded<std::int64_t>(missing[c] * n);
+    if (!steps) throw SolveError("the boundary loops have no finite turns; the mesh is too far from regular triangles");
+    const std::int64_t count = detail::count_of(loops[c]), even = *steps / count, rest = *steps % count;
+    const double step = rest > 0 ? 1.0 : -1.0;
+    std::stable_sort(loops[c].begin(), loops[c].end(), [&](std::size_t i, std::size_t j) {
+      return step * (turns[i] - rounded[i]) > step * (turns[j] - rounded[j]);
+    });
+    for (std::int64_t k = 0; k < count; ++k)
+      rounded[loops[c][at(k)]] += (double(even) + (k < std::abs(rest) ? step : 0.0)) / n;
   }
   return rounded;
 }

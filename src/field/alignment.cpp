@@ -51,12 +51,16 @@ Field curvature_field(const ConnectedSurface& surface, const CurvatureOptions& o
   // The tensor of an edge is bending (x x') for x across it; half of it belongs to each end, and half of its square
   // x^2 is what is left without the trace. Its integral over a vertex's share is divided by that share.
   ComplexVectorX<double> q(count);
+  VectorX<double> mean = VectorX<double>::Zero(count);  // curvature times area, twice: the sign of the larger one
   parallel_for(count, [&](std::int64_t i) {
     const auto v = static_cast<Index>(i);
     area[v] = third_of_faces(mesh, geometry, v);
     C sum = 0;
     const auto add = [&](Index e, double angle) { sum -= bending[e] / 4 * std::polar(1.0, 2 * angle); };
-    mesh.for_each_outgoing(v, [&](Index h) { add(mesh.edge(h), connection.rho_start(mesh, h)); });
+    mesh.for_each_outgoing(v, [&](Index h) {
+      add(mesh.edge(h), connection.rho_start(mesh, h));
+      mean[v] += bending[mesh.edge(h)];
+    });
     q[v] = area[v] > 0 ? sum / area[v] : C(0);
   });
   const auto transported = [&](Index h, double sign) {
@@ -64,12 +68,14 @@ Field curvature_field(const ConnectedSurface& surface, const CurvatureOptions& o
   };
   for (int ring = 0; ring < options.rings; ++ring) {
     const ComplexVectorX<double> before = q;
+    const VectorX<double> mean_before = mean;
     parallel_for(count, [&](std::int64_t i) {
       const auto v = static_cast<Index>(i);
       C sum = area[v] * before[v];
       double weight = area[v];
       const auto add = [&](Index other, C phase) {
         sum += area[other] * phase * before[other];
+        mean[v] += mean_before[other];
         weight += area[other];
       };
       mesh.for_each_outgoing(v, [&](Index h) {
@@ -83,7 +89,10 @@ Field curvature_field(const ConnectedSurface& surface, const CurvatureOptions& o
   Field field{.n = options.n, .u = ComplexVectorX<double>(count), .frames = surface.frames()};
   const int turns = options.n / 2;
   const double offset = options.smallest ? turns * pi<double> : 0.0;
-  for (Index v = 0; v < count; ++v) field.u[v] = std::polar(std::abs(q[v]), turns * std::arg(q[v]) + offset);
+  for (Index v = 0; v < count; ++v) {
+    const double other = options.by_magnitude && mean[v] < 0 ? turns * pi<double> : 0.0;
+    field.u[v] = std::polar(std::abs(q[v]), turns * std::arg(q[v]) + offset + other);
+  }
   return field;
 }
 

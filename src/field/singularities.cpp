@@ -6,6 +6,7 @@
 #include <string>
 
 #include "alcap/operators.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -23,7 +24,8 @@ double turn_along(const Mesh& mesh, const Connection& connection, const Field& f
   return turn(mesh, connection, field.n, h, argument(field.u[mesh.tail(h)]), argument(field.u[mesh.tip(h)]));
 }
 
-int to_count(double turns) { return static_cast<int>(std::nearbyint(turns / (2 * pi<double>))); }
+// A field that is not finite has no turns.
+int to_count(double turns) { return detail::rounded<int>(turns / (2 * pi<double>)).value_or(0); }
 
 bool inside(const Barycentric& b) {
   constexpr double slack = 1e-12;
@@ -136,8 +138,8 @@ std::vector<Singularity> find_singularities(const Mesh& mesh, const Geometry& ge
   return found;
 }
 
-std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                                 const Field& field, const std::vector<int>& indices, const Topology& topology) {
+std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry&, const Connection& connection, const Field& field,
+                                 const std::vector<int>& indices, const Topology& topology) {
   check_indices(mesh, indices);
   std::vector<IndexSum> sums(topology.components.size());
   for (std::size_t c = 0; c < sums.size(); ++c) sums[c].expected = field.n * std::int64_t{topology.components[c].euler};
@@ -153,8 +155,9 @@ std::vector<IndexSum> index_sums(const Mesh& mesh, const Geometry& geometry, con
     double turns = 0;
     for (std::size_t k = 0; k < loop.halfedges.size(); ++k) {
       const Index h = loop.halfedges[k], next = loop.halfedges[(k + 1) % loop.halfedges.size()];
-      const double corner = pi<double> - geometry.angle_sum(mesh.tip(h));
-      const double tangent = corner + wrap(connection.rho_start(mesh, next) - connection.rho_end(mesh, h) - corner);
+      // The corner as the connection sees it. Directions of edges grow around a vertex without a modulus: a connection
+      // may turn its corners by more than half a turn.
+      const double tangent = 2 * pi<double> + connection.rho_start(mesh, next) - connection.rho_end(mesh, h);
       turns += turn_along(mesh, connection, field, h) - field.n * (connection.eps_along(mesh, h) + tangent);
     }
     sums[static_cast<std::size_t>(loop.component)].expected += to_count(turns);

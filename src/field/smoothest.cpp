@@ -10,12 +10,14 @@
 #include "src/base/clock.h"
 #include "src/base/parallel.h"
 #include "src/field/component_blocks.h"
+#include "src/field/smoothest_on.h"
 
 namespace alcap {
 namespace {
 
+// Of the components whose `wanted` is not 0; empty: of all. The others stay zero, with empty reports.
 SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
-                      const Topology& topology, const SmoothestOptions& options) {
+                      const Topology& topology, const SmoothestOptions& options, const std::vector<char>& wanted = {}) {
   if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
   const detail::ControlScope scope(options.eigen.cancel);
 
@@ -43,6 +45,7 @@ SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connecti
         static_cast<std::int64_t>(vertices.size()),
         [&](std::int64_t i) {
           const auto c = static_cast<std::size_t>(i);
+          if (!wanted.empty() && wanted[c] == 0) return;
           EigenResult eigen =
               smallest_eigenpair(diagonal_block(matrices.S, vertices[c], local),
                                  diagonal_block(matrices.M, vertices[c], local), areas[c], options.eigen);
@@ -57,6 +60,14 @@ SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connecti
 }
 
 }  // namespace
+
+SmoothestResult detail::smoothest_on(const ConnectedSurface& surface, const std::vector<char>& wanted,
+                                     const SmoothestOptions& options) {
+  SmoothestResult result =
+      solve(surface.mesh(), surface.geometry(), surface.connection(), surface.topology(), options, wanted);
+  if (surface.in_space()) result.field.frames = surface.frames();
+  return result;
+}
 
 SmoothestResult smoothest_field(const ConnectedSurface& surface, const SmoothestOptions& options) {
   SmoothestResult result = solve(surface.mesh(), surface.geometry(), surface.connection(), surface.topology(), options);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "alcap/singularities.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -27,7 +28,7 @@ std::vector<int> vertex_indices(const Mesh& mesh, const Geometry& geometry, cons
       const double transport = geometry.direction(in) + pi<double> - geometry.direction(out);
       turn += wrap(argument[Mesh::face(in)] - argument[Mesh::face(out)] - face_field.n * transport);
     });
-    indices[static_cast<std::size_t>(i)] = static_cast<int>(std::lround(turn / (2 * pi<double>)));
+    indices[static_cast<std::size_t>(i)] = detail::rounded<int>(turn / (2 * pi<double>)).value_or(0);
   });
   return indices;
 }

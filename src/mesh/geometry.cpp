@@ -39,7 +39,7 @@ Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& 
             const std::int64_t t = first + i;
             const Point p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
             // The comparison in degenerate() is false for NaN as well; infinite points give NaN areas.
-            all_good &= !degenerate(p[0], p[1], p[2]);
+            all_good &= !degenerate(p[0], p[1], p[2]) && measurable(p[0], p[1], p[2]);
             const Point side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
             const double twice_area = side[0].cross(side[1]).norm();
             area_[t] = twice_area / double(2);
@@ -69,6 +69,12 @@ Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths
   if (lengths.size() != mesh.edges())
     throw OptionError("lengths", std::to_string(lengths.size()) + " entries",
                       "needs one per edge of the mesh, " + std::to_string(mesh.edges()));
+  for (Index e = 0; e < mesh.edges(); ++e)
+    if (lengths[e] > largest_length || (lengths[e] > 0 && lengths[e] < 1 / largest_length))
+      throw MeshError("edge " + std::to_string(e) + " has the length " + detail::number_text(lengths[e]) +
+                          "; lengths must be within 1e-60 and 1e60, so scale the mesh",
+                      Defect::scale_out_of_range, Element::edge, 1,
+                      {mesh.tail(mesh.halfedge(e)), mesh.tip(mesh.halfedge(e))});
   Geometry g;
   g.length_ = lengths;
   g.angle_.resize(mesh.halfedges());

@@ -236,6 +236,12 @@ std::vector<DefectReport> find_face_defects(const FacesRef& F, std::int64_t vert
 
 }  // namespace
 
+bool measurable(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
+                const Eigen::Matrix<double, 1, 3>& c) {
+  const double extent = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
+  return extent >= 1 / largest_length && extent <= largest_length;
+}
+
 bool degenerate(const Eigen::Matrix<double, 1, 3>& a, const Eigen::Matrix<double, 1, 3>& b,
                 const Eigen::Matrix<double, 1, 3>& c) {
   Eigen::Matrix<double, 1, 3> ab = b - a, bc = c - b, ca = a - c;
@@ -267,7 +273,7 @@ std::vector<DefectReport> find_defects(const FacesRef& F, std::int64_t vertex_co
 
 std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRef& F) {
   std::vector<DefectReport> reports;
-  Found not_finite, zero_area, zero_length;
+  Found not_finite, zero_area, zero_length, out_of_scale;
   detail::Array<char> finite(V.rows());
   for (Eigen::Index v = 0; v < V.rows(); ++v) {
     finite[v] = V.row(v).allFinite();
@@ -277,16 +283,19 @@ std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRe
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
     detail::check_cancelled_at(t);
     if (!face_in_range(F, t, V.rows()) || repeats_vertex(F, t)) continue;
-    bool measurable = true, has_length = true;
-    for (int c = 0; c < 3; ++c) measurable = measurable && finite[F(t, c)] != 0;
-    if (!measurable) continue;
+    bool known = true, has_length = true;
+    for (int c = 0; c < 3; ++c) known = known && finite[F(t, c)] != 0;
+    if (!known) continue;
     for (int c = 0; c < 3; ++c) {
       const Index a = F(t, c), b = F(t, (c + 1) % 3);
       if (V.row(a) != V.row(b)) continue;
       short_edges.push_back({std::min(a, b), std::max(a, b)});
       has_length = false;
     }
-    if (has_length && degenerate(V.row(F(t, 0)), V.row(F(t, 1)), V.row(F(t, 2)))) {
+    if (!has_length) continue;
+    if (!measurable(V.row(F(t, 0)), V.row(F(t, 1)), V.row(F(t, 2)))) {
+      out_of_scale.add(static_cast<Index>(t));
+    } else if (degenerate(V.row(F(t, 0)), V.row(F(t, 1)), V.row(F(t, 2)))) {
       zero_area.add(static_cast<Index>(t));
     }
   }
@@ -301,6 +310,9 @@ std::vector<DefectReport> find_defects(const Positions<double>& V, const FacesRe
   report(reports, std::move(zero_area), Defect::zero_area_face, Element::face,
          "face has area zero (its corners lie on a line)", "faces have area zero (their corners lie on a line)",
          "flip or collapse their longest edges, or move a corner");
+  report(reports, std::move(out_of_scale), Defect::scale_out_of_range, Element::face,
+         "face is larger than 1e60 or smaller than 1e-60 across",
+         "faces are larger than 1e60 or smaller than 1e-60 across", "use another unit of length");
   return reports;
 }
 

@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "alcap/operators.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/run/design_stages.h"
 #include "src/run/remarks.h"
@@ -78,6 +79,20 @@ std::string degrees_text(double x) {
   return text;
 }
 
+/// Another target whose face shares a vertex with this one's; none if there is no such.
+Index target_next_to(const DesignRun& run, const SingularityTarget& target) {
+  const auto& F = run.mesh().F();
+  for (const DesignOutcome& other : run.outcomes) {
+    if (other.type != Type::singularity) continue;
+    const Index face = std::get<SingularityTarget>(*other.control).face;
+    if (face == target.face) continue;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (F(face, i) == F(target.face, j)) return face;
+  }
+  return none;
+}
+
 Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
   std::string what = "off by " + degrees_text(outcome.error_degrees);
   Remark remark{.code = "control_not_met", .count = 1};
@@ -89,7 +104,11 @@ Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
         what = std::string(target.count > 1 ? "the faces around " : "") + "face " + std::to_string(target.face) +
                (target.count > 1 ? " have" : " has") + " index " + std::to_string(outcome.index) + " instead of " +
                std::to_string(asked);
-      what += "; more strength, less guidance or fewer controls nearby help";
+      if (const Index other = target_next_to(run, target); other != none)
+        what += "; it is too close to the target in face " + std::to_string(other) +
+                ", with which it shares a vertex: put faces between them, or refine the mesh there";
+      else
+        what += "; more strength, less guidance or fewer controls nearby help";
       break;
     }
     case Type::stroke:
@@ -129,6 +148,33 @@ std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<
   }
   judge_cones(run, outcomes);
   return outcomes;
+}
+
+void remark_vanishing(double largest_residual, DesignRun& run) {
+  const Topology& topology = run.topology();
+  const ComplexVectorX<double>& u = run.field.u;
+  std::vector<double> largest(topology.components.size(), 0.0);
+  const auto component = [&](Index v) { return topology.vertex_component[static_cast<std::size_t>(v)]; };
+  for (Index v = 0; v < u.size(); ++v)
+    if (const Index c = component(v); c != none) {
+      double& most = largest[static_cast<std::size_t>(c)];
+      most = std::max(most, std::abs(u[v]));
+    }
+  // What is this small is what the solve has left over.
+  const double least = std::min(largest_residual, 10 * std::max(run.residual, 1e-16));
+  Remark remark{.code = "field_vanishes"};
+  for (Index v = 0; v < u.size(); ++v) {
+    const Index c = component(v);
+    if (c == none || !(std::abs(u[v]) < least * largest[static_cast<std::size_t>(c)])) continue;
+    ++remark.count;
+    if (remark.first.size() < 8) remark.first.push_back(v);
+  }
+  // A pinned zero is no such place, nor is one that a control asks for.
+  if (remark.count <= static_cast<std::int64_t>(run.outcomes.size()) + 3) return;
+  remark.message = "the field fades to rounding at " + counted(remark.count, "vertex", "vertices") +
+                   ", far from what it was asked for: directions and singularities there mean nothing; give less zero "
+                   "guidance, or guidance smoothest";
+  run.remarks.push_back(std::move(remark));
 }
 
 void certify_design(DesignRun& run, bool eigen_converged, double largest_residual) {

@@ -7,10 +7,14 @@
 #include <utility>
 #include <variant>
 
+#include "alcap/alignment.h"
 #include "alcap/cones.h"
 #include "alcap/eigen_design.h"
+#include "src/base/array.h"
 #include "src/base/clock.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/field/smoothest_on.h"
 #include "src/run/design_stages.h"
 
 namespace alcap {
@@ -105,6 +109,7 @@ void DesignStages::forget() {
   designer_text_.clear();
   guidance_text_.clear();
   held_.clear();
+  pieces_.clear();
 }
 
 void DesignStages::connect(const DesignFile& placed) {
@@ -190,6 +195,54 @@ bool DesignStages::solve_variational(const std::vector<DesignControl>& controls,
   return true;
 }
 
+bool DesignStages::fill_pieces(const std::vector<DesignControl>& controls, DesignRun& run) {
+  const Topology& topology = connected_.topology();
+  const std::size_t count = topology.components.size();
+  if (count < 2) return true;
+  std::vector<char> empty(count, 1);
+  const auto touched = [&](Index face) { empty[at(topology.face_component[at(face)])] = 0; };
+  for (const DesignControl& c : controls) {
+    if (const auto* target = std::get_if<SingularityTarget>(&c.control)) touched(target->face);
+    if (const auto* fixed = std::get_if<VertexConstraint>(&c.control))
+      empty[at(topology.vertex_component[at(fixed->vertex)])] = 0;
+    if (const auto* stroke = std::get_if<Stroke>(&c.control)) {
+      for (const SurfacePoint& p : stroke->points) touched(p.face);
+      for (const SurfaceSegment& s : stroke->line.segments) touched(s.face);
+    }
+    if (std::holds_alternative<BoundaryAlignment>(c.control))
+      for (const Loop& loop : topology.loops) empty[at(loop.component)] = 0;
+  }
+  if (guidance_.u)
+    for (Index v = 0; v < connected_.mesh().vertices(); ++v)
+      if ((*guidance_.u)[v] != 0.0 && topology.vertex_component[at(v)] != none)
+        empty[at(topology.vertex_component[at(v)])] = 0;
+  const auto pieces = static_cast<std::int64_t>(std::count(empty.begin(), empty.end(), 1));
+  if (pieces == 0) return true;
+  if (pieces_ != empty || pieces_field_.n != run.design.n || pieces_s_ != run.design.s) {
+    SmoothestResult smooth =
+        smoothest_on(connected_, empty, {.n = run.design.n, .s = run.design.s, .eigen = {.solver = options_.solver}});
+    pieces_converged_ = std::all_of(smooth.components.begin(), smooth.components.end(),
+                                    [](const EigenReport& e) { return e.converged || e.solver.empty(); });
+    pieces_field_ = std::move(smooth.field);
+    pieces_ = empty;
+    pieces_s_ = run.design.s;
+  }
+  // As long as the designed field is, in the mean over its components.
+  ComplexVectorX<double>& u = run.field.u;
+  const double designed = root_mean_square(connected_.surface(), u),
+               filled = root_mean_square(connected_.surface(), pieces_field_.u);
+  if (filled > 0) u += (designed > 0 ? designed / filled : 1.0) * pieces_field_.u;
+  Remark remark{.code = "pieces_without_control",
+                .warning = false,
+                .message = counted(pieces, "component has", "components have") +
+                           " no control and no guidance; each has its smoothest field",
+                .count = pieces};
+  for (std::size_t c = 0; c < count && remark.first.size() < 8; ++c)
+    if (empty[c] != 0) remark.first.push_back(static_cast<Index>(c));
+  run.remarks.push_back(std::move(remark));
+  return pieces_converged_;
+}
+
 bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
                                DesignRun& run) {
   EigenControls asked;
@@ -247,6 +300,10 @@ DesignRun DesignStages::solve(const DesignFile& design) {
   else
     converged =
         (variational ? solve_variational(controls, reports, run) : solve_eigen(controls, reports, run)) && converged;
+  if (variational && !lone) {
+    converged = fill_pieces(controls, run) && converged;
+    remark_vanishing(options_.residual, run);
+  }
 
   watch.lap();
   say("analysis");

@@ -50,6 +50,9 @@ class DesignStages {
   /// Fills field, reports of the controls, and what the solve did; returns whether every eigenproblem converged.
   bool solve_variational(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
                          DesignRun& run);
+  /// Gives the components that no control and no guidance touches their smoothest field. Returns whether every
+  /// eigenproblem converged.
+  bool fill_pieces(const std::vector<DesignControl>& controls, DesignRun& run);
   bool solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports, DesignRun& run);
 
   Surface surface_;
@@ -62,12 +65,20 @@ class DesignStages {
   ScaledGuidance guidance_;
   std::string designer_text_;
   std::unique_ptr<Designer> designer_;
+  // Components without a control, and their smoothest fields.
+  std::vector<char> pieces_;
+  Field pieces_field_;
+  double pieces_s_ = 0;
+  bool pieces_converged_ = true;
   std::vector<Held> held_;
 };
 
 /// What became of the controls and cones, in the order of the design. `reports` are those of `controls`.
 [[nodiscard]] std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<DesignControl>& controls,
                                                       const std::vector<ControlReport>& reports);
+
+/// A warning where the field is so much smaller than elsewhere on its component that the solve says nothing about it.
+void remark_vanishing(double largest_residual, DesignRun& run);
 
 /// Certificate and remarks, from everything else.
 void certify_design(DesignRun& run, bool eigen_converged, double largest_residual);

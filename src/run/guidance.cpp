@@ -53,7 +53,11 @@ ScaledGuidance find_guidance(const ConnectedSurface& surface, const DesignFile& 
     }
     case Source::curvature:
     case Source::least_curvature:
-      u = curvature_field(surface, {.n = placed.n, .smallest = source == Source::least_curvature}).u;
+    case Source::strongest_curvature:
+      u = curvature_field(surface, {.n = placed.n,
+                                    .smallest = source == Source::least_curvature,
+                                    .by_magnitude = source == Source::strongest_curvature})
+              .u;
       break;
     case Source::file:
       u = from_file(surface, placed);

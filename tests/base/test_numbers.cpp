@@ -135,6 +135,30 @@ std::vector<Option> shape_options(const Small& s) {
 
 }  // namespace
 
+TEST_CASE("floating numbers become integers only in range") {
+  using detail::rounded;
+  using detail::to_integer;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK(to_integer(2.9, 0, 10) == 2);
+  CHECK(to_integer(-2.9, -10, 10) == -2);
+  CHECK(to_integer(nan, 3, 10) == 3);
+  CHECK(to_integer(infinity, 3, 10) == 10);
+  CHECK(to_integer(-infinity, 3, 10) == 3);
+  CHECK(to_integer(1e300, std::int64_t{0}, std::numeric_limits<std::int64_t>::max()) ==
+        std::numeric_limits<std::int64_t>::max());
+  CHECK(rounded<int>(2.5) == 2);
+  CHECK(rounded<int>(3.5) == 4);
+  CHECK(rounded<int>(-2147483648.4) == std::numeric_limits<int>::min());
+  CHECK(rounded<int>(2147483647.4) == std::numeric_limits<int>::max());
+  CHECK_FALSE(rounded<int>(2147483647.6).has_value());
+  CHECK_FALSE(rounded<int>(nan).has_value());
+  CHECK_FALSE(rounded<std::int64_t>(9223372036854775808.0).has_value());
+  CHECK(rounded<std::int64_t>(-9223372036854775808.0) == std::numeric_limits<std::int64_t>::min());
+  CHECK_FALSE(rounded<unsigned>(-1).has_value());
+  CHECK(rounded<std::int16_t>(-32768) == -32768);
+  CHECK_FALSE(rounded<std::int16_t>(32768).has_value());
+}
+
 TEST_CASE("numbers are written in the shortest form that reads back") {
   using detail::number_text;
   CHECK(number_text(-1e-9) == "-1e-09");

@@ -8,6 +8,13 @@ add_test(NAME layers COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR}
 add_test(NAME layers_can_fail COMMAND ${CMAKE_COMMAND} -D WORK=${CMAKE_CURRENT_BINARY_DIR}/layers_can_fail
   -P ${CMAKE_CURRENT_LIST_DIR}/check_layers_selftest.cmake)
 
+# Floating numbers become integers through one door.
+add_test(NAME casts COMMAND ${CMAKE_COMMAND} -D ROOT=${PROJECT_SOURCE_DIR} -P ${CMAKE_CURRENT_LIST_DIR}/check_casts.cmake)
+file(WRITE ${CMAKE_CURRENT_BINARY_DIR}/casts_can_fail/src/a.cpp "int f(double x) { return static_cast<int>(std::floor(x)); }\n")
+add_test(NAME casts_can_fail COMMAND ${CMAKE_COMMAND} -D ROOT=${CMAKE_CURRENT_BINARY_DIR}/casts_can_fail
+  -P ${CMAKE_CURRENT_LIST_DIR}/check_casts.cmake)
+set_tests_properties(casts_can_fail PROPERTIES WILL_FAIL ON)
+
 # What is compiled for wide registers shares no function with the rest.
 if(CMAKE_NM AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize" AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64|amd64")
   foreach(set IN ITEMS avx2 avx512)

@@ -49,10 +49,11 @@ set(doors
   "^mpi\\.h$ = ^solvers/petsc/"
   "^(EGL/|GLES3/|png\\.h$) = ^apps/alcap/picture/[^/]*$"
   "^httplib\\.h$ = ^apps/alcap/studio/studio_server\\.cpp$"
+  "^(arpa/inet|netinet/in|sys/socket)\\.h$ = ^apps/alcap/studio/"
   "^CLI/ = ^apps/alcap/options/cli\\.cpp$"
   "^omp\\.h$ = ^$")
 # C and POSIX headers whose names have no slash but a .h. Public headers use none.
-set(system_headers stddef.h stdint.h fcntl.h unistd.h dlfcn.h malloc.h sys/mman.h sys/stat.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
+set(system_headers stddef.h stdint.h fcntl.h unistd.h dlfcn.h malloc.h sys/mman.h sys/file.h sys/stat.h sys/wait.h poll.h sys/types.h sys/resource.h sys/ioctl.h immintrin.h cpuid.h)
 
 # split(line): the fields of "a | b | c" as field_0, field_1, field_2, without the spaces around them.
 macro(split line)

@@ -58,6 +58,14 @@ class CliFolder {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
   }
 
+  /// Exit code of a shell script in which $ALCAP is the tool; -1 when a signal ended the shell.
+  [[nodiscard]] int shell(const std::string& script) const {
+    write("../script", script);
+    const std::string command = "cd '" + work().string() + "' && ALCAP='" ALCAP_CLI "' bash ../script </dev/null";
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
   void write(const std::string& name, const std::string& text) const {
     std::ofstream(work() / name, std::ios::binary) << text;
   }
@@ -75,7 +83,7 @@ class CliFolder {
   [[nodiscard]] std::set<std::string> files() const {
     std::set<std::string> names;
     for (const auto& entry : std::filesystem::recursive_directory_iterator(work())) {
-      names.insert(std::filesystem::relative(entry.path(), work()).string());
+      names.insert(entry.path().lexically_relative(work()).string());
     }
     return names;
   }

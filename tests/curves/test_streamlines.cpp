@@ -460,6 +460,81 @@ TEST_CASE("Smooth fields on slivers do not get stuck") {
   }
 }
 
+/// Two cones of `sides` faces each, base to base.
+MeshData bipyramid(Index sides, double height) {
+  MeshData m{Positions<double>(sides + 2, 3), Faces(2 * sides, 3)};
+  m.V.row(0) << 0, 0, height;
+  m.V.row(1) << 0, 0, -height;
+  for (Index k = 0; k < sides; ++k) {
+    const double angle = 2 * pi<double> * k / sides;
+    m.V.row(k + 2) << std::cos(angle), std::sin(angle), 0;
+    const Index a = k + 2, b = (k + 1) % sides + 2;
+    m.F.row(2 * k) << 0, a, b;
+    m.F.row(2 * k + 1) << 1, b, a;
+  }
+  return m;
+}
+
+std::int64_t most_points(const Scene& s) { return 2'000'000 + 100 * std::int64_t{s.mesh.faces()}; }
+
+TEST_CASE("Curves on needles are as many points as the mesh has room for, and say so") {
+  bool cut = false;
+  for (const Index sides : {3, 20, 100})
+    for (const double height : {1e7}) {
+      const Scene s(bipyramid(sides, height));
+      for (const int n : {1, 2, 4}) {
+        CAPTURE(sides);
+        CAPTURE(height);
+        CAPTURE(n);
+        const Field random = s.random(n, 3);
+        const Field smooth = smoothest_field(s.connected(), {.n = n}).field;
+        for (const Field* f : {&random, &smooth}) {
+          const CurveSet even = s.even(*f);
+          const CurveSet seeded = s.trace(*f, seeds_everywhere(s, 1));
+          const CurveSet leaving = separatrices(s.connected(), *f, find_singularities(s.connected(), *f));
+          CHECK(seeded.size() == static_cast<std::int64_t>(seeds_everywhere(s, 1).size()));
+          for (const CurveSet* c : {&even, &seeded, &leaving}) {
+            CHECK(c->points.allFinite());
+            CHECK(c->points.rows() < most_points(s));
+            cut = cut || !c->complete;
+            for (const auto* reasons : {&c->start_reason, &c->end_reason})
+              if (std::find(reasons->begin(), reasons->end(), CurveEnd::budget) != reasons->end()) CHECK(!c->complete);
+          }
+        }
+      }
+    }
+  CHECK(cut);
+}
+
+TEST_CASE("Usual meshes have room for all curves; a smaller bound is kept, by any number of threads") {
+  const Scene s(icosphere(3));
+  const Field f = smoothest_field(s.connected(), {.n = 4}).field;
+  const auto zeros = find_singularities(s.connected(), f);
+  CHECK(s.even(f).complete);
+  CHECK(s.even(f, {.spacing = 0.003, .tolerance = 1e-10}).complete);
+  CHECK(s.trace(f, seeds_everywhere(s, 1), {.max_length = 1}).complete);
+  CHECK(separatrices(s.connected(), f, zeros).complete);
+  std::vector<std::int64_t> sizes;
+  for (const int threads : {1, 3}) {
+    CurveSet even, seeded, leaving;
+    run_with_threads(threads, [&] {
+      even = s.even(f, {.max_points = 20'000});
+      seeded = s.trace(f, seeds_everywhere(s, 1), {.max_points = 20'000});
+      leaving = separatrices(s.connected(), f, zeros, {.max_points = 1});
+    });
+    for (const CurveSet* c : {&even, &seeded, &leaving}) {
+      CHECK(!c->complete);
+      CHECK(c->points.rows() < 600'000);
+      sizes.push_back(c->points.rows());
+    }
+    CHECK(seeded.size() == static_cast<std::int64_t>(seeds_everywhere(s, 1).size()));
+    check_well_formed(s, even);
+    check_well_formed(s, seeded);
+    check_well_formed(s, leaving);
+  }
+  CHECK(std::equal(sizes.begin(), sizes.begin() + 3, sizes.begin() + 3));
+}
+
 TEST_CASE("A field that vanishes, on a face or everywhere, has curves of one point there") {
   const Scene s(icosphere(1));
   Field f = s.random(2, 3);

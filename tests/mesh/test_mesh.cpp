@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "alcap/geometry.h"
 #include "alcap/mesh.h"
 #include "alcap/mesh_check.h"
 #include "src/base/parallel.h"
@@ -390,6 +391,34 @@ TEST_CASE("geometric defects name their elements") {
   CHECK(line.at(0).first == List{1});
   // Out of range and repeated vertices are another check's business.
   CHECK(find_defects(V, faces({{0, 3, 1}, {0, 99, -2}, {1, 1, 2}})).empty());
+}
+
+TEST_CASE("meshes too large or too small for products of lengths are refused in the same words everywhere") {
+  const MeshData m = icosphere(1);
+  const Mesh mesh(m.F, m.V.rows());
+  for (const double scale : {1e-300, 1e-155, 1e-90, 1e-61, 1e62, 1e80, 1e155, 1e300}) {
+    CAPTURE(scale);
+    const Positions<double> V = scale * m.V;
+    const std::vector<DefectReport> r = find_defects(V, m.F);
+    REQUIRE(kinds(r) == std::vector<Defect>{Defect::scale_out_of_range});
+    CHECK(r[0].count == m.F.rows());
+    try {
+      const Geometry geometry(mesh, V);
+      FAIL_CHECK("was taken");
+    } catch (const MeshError& e) {
+      CHECK(e.what() == r[0].message);
+      CHECK(e.defect() == Defect::scale_out_of_range);
+    }
+    const VectorX<double> lengths = VectorX<double>::Constant(mesh.edges(), scale);
+    CHECK_THROWS_AS((void)Geometry::from_lengths(mesh, lengths), MeshError);
+  }
+  for (const double scale : {1e-58, 1e-30, 1e30, 1e58}) {
+    CAPTURE(scale);
+    CHECK(find_defects(scale * m.V, m.F).empty());
+    const Geometry unit(mesh, m.V), scaled(mesh, scale * m.V);
+    CHECK((scaled.angles() - unit.angles()).cwiseAbs().maxCoeff() < 1e-12);
+    CHECK(scaled.total_area() / unit.total_area() / scale / scale == doctest::Approx(1));
+  }
 }
 
 TEST_CASE("degenerate() accepts slivers and does not depend on the unit of length") {

@@ -13,6 +13,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <sstream>
 
 #include "alcap/batch.h"
 #include "alcap/memory.h"
@@ -21,14 +22,15 @@
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/clock.h"
+#include "src/base/input_file.h"
 
 namespace alcap::app {
 namespace {
 
 /// Paths of the list, relative ones to the list's folder. Empty lines and lines that start with # do not count.
 std::vector<std::filesystem::path> read_list(const std::filesystem::path& list) {
-  std::ifstream in(list);
-  if (!in) throw Failure(Exit::input, fmt::format("cannot read the list {}", list.string()), {{"file", list.string()}});
+  const detail::InputFile input(list, {.what = "list of meshes", .largest = std::int64_t{1} << 30});
+  std::istringstream in{std::string(input.bytes())};
   std::vector<std::filesystem::path> paths;
   for (std::string line; std::getline(in, line);) {
     if (!line.empty() && line.back() == '\r') line.pop_back();
@@ -36,6 +38,9 @@ std::vector<std::filesystem::path> read_list(const std::filesystem::path& list) 
     const std::filesystem::path path(line);
     paths.push_back(path.is_absolute() ? path : list.parent_path() / path);
   }
+  if (paths.empty())
+    throw Failure(Exit::input, fmt::format("{}: the list names no mesh; give one path a line", list.string()),
+                  {{"path", list.string()}});
   return paths;
 }
 
@@ -166,6 +171,7 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
     if (!std::filesystem::is_directory(choice.folder))
       throw Failure(Exit::output, fmt::format("cannot create the folder {}", choice.folder.string()));
   }
+  check_distinct({{"--report", common.report}, {"--lines", choice.lines}}, {{"list", choice.list}});
   std::optional<std::ofstream> file;
   if (!choice.lines.empty()) {
     check_writable(choice.lines);

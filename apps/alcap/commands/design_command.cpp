@@ -109,16 +109,27 @@ Json times_json(const Inputs& in, const DesignTimes& times, double write, double
           {"analysis", times.analysis}, {"write", write},           {"total", total}};
 }
 
-Outcome run(const DesignOptionsGiven& options, Progress& progress) {
+Outcome run(const DesignOptionsGiven& options, const Common& common, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
+  check_names(plan,
+              {{"--report", common.report},
+               {"--html", options.show.html},
+               {"--png", options.show.picture.file},
+               {"--curves", options.show.picture.curves}},
+              {{"mesh", options.mesh.path}, {"design", options.flags.file}});
   check_show(options.show);
   const Inputs in = read_inputs(options, progress);
   if (options.explain) return explain(options, in);
   const DesignRun result = solve(options, in, progress);
   std::vector<Remark> remarks = in.remarks;
   remarks.insert(remarks.end(), result.remarks.begin(), result.remarks.end());
+  for (Remark& left : leftover_remarks(plan.target)) remarks.push_back(std::move(left));
   Json report = design_report(input_json(options.mesh.path, in.file), in.design, result, remarks);
+
+  const FieldOutput output = output_of(result);
+  progress.phase("drawing curves");
+  const ShownCurves shown = trace_show(output, options.show, report);
 
   progress.phase("writing");
   const detail::Stopwatch writing;
@@ -126,7 +137,6 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
     write_design(folder / "design.json", in.design);
     return std::vector<std::string>{"design.json"};
   };
-  const FieldOutput output = output_of(result);
   write_files(plan, options.files, output, write_asked, [&](const std::vector<std::string>& files) -> const Json& {
     report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
     report["peak_memory_bytes"] = peak_memory_bytes();
@@ -134,7 +144,7 @@ Outcome run(const DesignOptionsGiven& options, Progress& progress) {
     return report;
   });
 
-  write_show(output, options.mesh.path.stem().string(), options.show, report);
+  write_show(output, options.mesh.path.stem().string(), options.show, shown, report);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = design_summary(outcome.report);
@@ -166,7 +176,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->capture_default_str()
       ->check(cli::IsMember(names))
       ->group("Solver");
-  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+  return [options](const Common& common, Progress& progress) { return run(*options, common, progress); };
 }
 
 }  // namespace

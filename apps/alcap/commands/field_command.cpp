@@ -150,9 +150,15 @@ std::vector<std::string> write_modes(const FieldOptions& options, const FieldRun
   return names;
 }
 
-Outcome run(FieldOptions options, Progress& progress) {
+Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
+  check_names(plan,
+              {{"--report", common.report},
+               {"--html", options.show.html},
+               {"--png", options.show.picture.file},
+               {"--curves", options.show.picture.curves}},
+              {{"mesh", options.mesh.path}});
   check_show(options.show);
 
   RunSeconds times;
@@ -165,10 +171,14 @@ Outcome run(FieldOptions options, Progress& progress) {
   if (!options.features.empty()) options.run.align->edges = read_sharp(file.F, options.features);
   const FieldRun result = run_on(options, file);
 
-  progress.phase("writing");
-  const detail::Stopwatch writing;
   const FieldOutput output = output_of(result);
   Json report = field_report(options.mesh.path, file, result, options.run);
+  progress.phase("drawing curves");
+  const ShownCurves shown = trace_show(output, options.show, report);
+  for (Json& left : remarks_json(leftover_remarks(plan.target), true)) report["warnings"].push_back(std::move(left));
+
+  progress.phase("writing");
+  const detail::Stopwatch writing;
   const auto others = [&](const std::filesystem::path& folder) {
     if (!result.features) return write_modes(options, result, folder);
     write_sharp(result.surface, result.features->graph, folder / "field.sharp");
@@ -182,7 +192,7 @@ Outcome run(FieldOptions options, Progress& progress) {
     report["files"] = files;
     return report;
   });
-  write_show(output, options.mesh.path.stem().string(), options.show, report);
+  write_show(output, options.mesh.path.stem().string(), options.show, shown, report);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = summary(options, outcome.report);
@@ -285,7 +295,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   return [options](const Common& common, Progress& progress) {
     if (!options->batch.list.empty()) return run_batch_of(*options, common);
     if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");
-    return run(*options, progress);
+    return run(*options, common, progress);
   };
 }
 

@@ -12,6 +12,7 @@
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/flags.h"
+#include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 #include "apps/alcap/report/statistics.h"
 
@@ -125,6 +126,7 @@ std::string summary(const Json& report) {
     }
     if (parts.size() > most) line("", fmt::format("... and {} more", parts.size() - most));
   }
+  for (const Json& r : report["input"]["remarks"]) line("file", r.get<std::string>());
   for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
   for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
   for (const Json& d : report["defects"]) line("defect", d["message"].get<std::string>());
@@ -163,7 +165,8 @@ RepairedMesh repaired_for_info(const MeshFile& file, const RepairOptions& asked,
   return out;
 }
 
-Outcome run(const MeshChoice& choice, Progress& progress) {
+Outcome run(const MeshChoice& choice, const Common& common, Progress& progress) {
+  check_distinct({{"--report", common.report}}, {{"mesh", choice.path}});
   progress.phase(fmt::format("reading {}", choice.path.string()));
   const MeshFile file = read_choice(choice);
   progress.phase(fmt::format("checking {} faces", grouped(file.F.rows())));
@@ -209,7 +212,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto choice = std::make_shared<MeshChoice>();
   app.footer(footer);
   add_mesh_options(app, *choice);
-  return [choice](const Common&, Progress& progress) { return run(*choice, progress); };
+  return [choice](const Common& common, Progress& progress) { return run(*choice, common, progress); };
 }
 
 }  // namespace

@@ -2,13 +2,17 @@
 //
 // main.cpp: parses the command line, runs one subcommand, and turns what comes out of it (a result or any kind of
 // failure) into stdout, stderr, a report file and an exit code. Subcommands print nothing themselves.
+#include <fcntl.h>
 #include <fmt/core.h>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 #include <memory>
 #include <new>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #ifdef __GLIBC__
@@ -19,13 +23,17 @@
 #include "alcap/petsc.h"
 #include "alcap/solve.h"
 #include "alcap/version.h"
+#include "apps/alcap/commands/address_space.h"
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/outputs.h"
+#include "apps/alcap/report/printable.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/parallel.h"
 #include "src/simd/isa.h"
+
+extern "C" void __gcov_dump() __attribute__((weak));  // where coverage is measured
 
 namespace alcap::app {
 namespace {
@@ -57,13 +65,24 @@ void print(std::string_view text) {
   }
 }
 
-/// The last resort for what went wrong: one line on stderr, with --json also an object on stdout.
+/// A line on stderr. When nobody can read it the exit code has to do.
+void say(const std::string& command, const std::string& message) {
+  const std::string line = "alcap" + (command.empty() ? "" : " " + command) + ": " + printable_line(message) + "\n";
+  (void)std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+/// The last resort for what went wrong: one line on stderr, with --json also an object on stdout. Never throws.
 int complain(const std::string& command, bool json, Exit exit, const std::string& message,
-             const Json& details = Json::object()) {
-  fmt::print(stderr, "alcap{}{}: {}\n", command.empty() ? "" : " ", command, message);
-  if (json) {
-    const std::string text = text_of(error_report(command, exit, message, details), 2) + "\n";
-    std::fwrite(text.data(), 1, text.size(), stdout);
+             const Json& details = Json::object()) noexcept {
+  try {
+    say(command, message);
+    if (json) {
+      const std::string text = text_of(error_report(command, exit, message, details), 2) + "\n";
+      (void)std::fwrite(text.data(), 1, text.size(), stdout);
+      (void)std::fflush(stdout);
+    }
+  } catch (...) {  // no memory for words
+    (void)std::fputs("alcap: out of memory\n", stderr);
   }
   return static_cast<int>(exit);
 }
@@ -94,11 +113,23 @@ int guarded(const std::string& command, bool json, Progress& progress, Body&& bo
                     flag.empty() ? std::string(e.what()) : fmt::format("{} (see {})", e.what(), flag), details);
   } catch (const SolveError& e) {
     return fail(Exit::solver, e);
+  } catch (const Cancelled&) {
+    progress.clear();
+    return complain(command, json, Exit::interrupted, "interrupted");
   } catch (const std::bad_alloc&) {
     progress.clear();
     return complain(command, json, Exit::solver, "out of memory; use a smaller mesh or a machine with more memory");
+  } catch (const std::system_error& e) {
+    progress.clear();
+    if (e.code() == std::errc::resource_unavailable_try_again)
+      return complain(command, json, Exit::solver,
+                      "the system gives no thread or memory; raise its limits (ulimit -v, ulimit -u)");
+    return complain(command, json, Exit::internal, fmt::format("internal error, please report it: {}", e.what()));
   } catch (const std::exception& e) {
     progress.clear();
+    // What TBB throws when it gets no thread.
+    if (std::string_view(e.what()).starts_with("pthread_create"))
+      return complain(command, json, Exit::solver, "the system gives no thread; raise its limits (ulimit -v, -u)");
     return complain(command, json, Exit::internal, fmt::format("internal error, please report it: {}", e.what()));
   }
 }
@@ -106,6 +137,7 @@ int guarded(const std::string& command, bool json, Progress& progress, Body&& bo
 int run(const Command& command, const Common& common, const std::function<Outcome(const Common&, Progress&)>& body) {
   Progress progress(!common.quiet);
   return guarded(command.name, common.json, progress, [&] {
+    if (command.computes) check_address_space();
     if (!common.report.empty()) check_writable(common.report);
     Outcome outcome;
     run_with_threads(common.threads, [&] { outcome = body(common, progress); });
@@ -114,9 +146,9 @@ int run(const Command& command, const Common& common, const std::function<Outcom
     if (common.json) {
       print(text_of(outcome.report, 2) + "\n");
     } else if (!common.quiet) {
-      print(outcome.text);
+      print(printable(outcome.text));
     }
-    if (!outcome.complaint.empty()) fmt::print(stderr, "alcap {}: {}\n", command.name, outcome.complaint);
+    if (!outcome.complaint.empty()) say(command.name, outcome.complaint);
     return static_cast<int>(outcome.exit);
   });
 }
@@ -192,15 +224,38 @@ int start(int argc, char** argv) {
   for (const auto& entry : entries) {
     if (entry->app->parsed()) return run(*entry->command, entry->common, entry->body);
   }
-  fmt::print(stderr, "{}", app.help());
+  const std::string help = app.help();
+  (void)std::fwrite(help.data(), 1, help.size(), stderr);
   return static_cast<int>(Exit::usage);
+}
+
+/// Gives the standard streams that are closed a place that refuses everything: files that are opened later would take
+/// their numbers, and messages would end up in them.
+void reserve_standard_streams() {
+  for (int descriptor = 0; descriptor < 3; ++descriptor) {
+    if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
+    if (::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY) != descriptor) return;
+  }
+}
+
+/// Ends the program without the exit handlers of libraries: where threads could not be started (ulimit -v), OpenBLAS's
+/// waits for them for ever. Sanitizers look for leaks in theirs.
+int leave(int code) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return code;
+#else
+  (void)std::fflush(nullptr);
+  if (__gcov_dump != nullptr) __gcov_dump();
+  std::_Exit(code);
+#endif
 }
 
 }  // namespace
 }  // namespace alcap::app
 
 int main(int argc, char** argv) {
+  alcap::app::reserve_standard_streams();
   alcap::app::keep_freed_memory();
   alcap::app::Progress silent(false);
-  return alcap::app::guarded("", false, silent, [&] { return alcap::app::start(argc, argv); });
+  return alcap::app::leave(alcap::app::guarded("", false, silent, [&] { return alcap::app::start(argc, argv); }));
 }

@@ -180,12 +180,14 @@ std::vector<std::string> write_values(const std::filesystem::path& target, const
   return files;
 }
 
-Outcome run(const OpsOptions& options, Progress& progress) {
+Outcome run(const OpsOptions& options, const Common& common, Progress& progress) {
   const detail::Stopwatch watch;
   const OutputPlan plan = plan_output(options.output, {".csv", ".vtp"});
   if (plan.kind == OutputPlan::Kind::folder) {
     throw Failure(Exit::usage, "-o must name a file that ends with .csv or .vtp", {{"option", "-o"}});
   }
+  check_distinct({{"-o", plan.target}, {"--report", common.report}},
+                 {{"mesh", options.mesh.path}, {"field", options.field}});
   const Loaded loaded = load(options, progress);
   const auto& [file, surface, field, how, remarks] = loaded;
 
@@ -247,7 +249,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   app.add_flag("--density", options->density, "Means per unit of area instead of integrals in the file");
   add_connection_options(app, options->connection);
   options->app = &app;
-  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+  return [options](const Common& common, Progress& progress) { return run(*options, common, progress); };
 }
 
 }  // namespace

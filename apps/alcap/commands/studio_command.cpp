@@ -2,16 +2,25 @@
 //
 // studio_command.cpp: `alcap studio`, a page in the browser in which fields are designed by hand.
 #include <fmt/core.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <thread>
 
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/report/outputs.h"
+#include "apps/alcap/report/printable.h"
 #include "apps/alcap/studio/studio_server.h"
 #include "src/base/atomic_file.h"
 
@@ -45,7 +54,46 @@ DesignFile start_design(const StudioOptions& options, const std::filesystem::pat
   return design;
 }
 
-/// Opens the page through a file that only this user can read: a command line is seen by everybody.
+// The page with the token, for a signal that ends the program; empty: none.
+char page_file[4096] = "";
+std::atomic<bool> page_there{false};
+
+void remove_page() {
+  if (page_there.exchange(false)) ::unlink(page_file);
+}
+
+/// The signals that end the studio remove the page first.
+void remove_page_at_end() {
+  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    struct sigaction before = {}, act = {};
+    ::sigaction(number, nullptr, &before);
+    if (before.sa_handler == SIG_IGN) continue;
+    act.sa_handler = [](int signal_number) {
+      remove_page();
+      ::raise(signal_number);  // as it would have ended: the handler is gone by now
+    };
+    act.sa_flags = SA_RESETHAND | SA_NODEFER;
+    ::sigaction(number, &act, nullptr);
+  }
+}
+
+/// Starts the browser, which init looks after.
+void start_browser(const char* page) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::fork() == 0) {
+      ::execlp("xdg-open", "xdg-open", page, nullptr);
+      ::_exit(1);
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  while (child > 0 && ::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+}
+
+/// Opens the page through a file that only this user can read: a command line is seen by everybody. The file goes when
+/// the page is there, or after a while.
 void open_browser(const std::string& url) {
   std::string name = (std::filesystem::temp_directory_path() / "alcap-studio-XXXXXX.html").string();
   const int descriptor = ::mkstemps(name.data(), 5);
@@ -53,9 +101,18 @@ void open_browser(const std::string& url) {
   const std::string page = "<!doctype html><meta http-equiv=refresh content=\"0;url=" + html_escaped(url) + "\">";
   const bool written = ::write(descriptor, page.data(), page.size()) == static_cast<ssize_t>(page.size());
   ::close(descriptor);
-  if (!written || ::fork() != 0) return;
-  ::execlp("xdg-open", "xdg-open", name.c_str(), nullptr);
-  ::_exit(1);
+  if (!written || name.size() >= sizeof page_file) {
+    ::unlink(name.c_str());
+    return;
+  }
+  std::copy(name.begin(), name.end() + 1, page_file);
+  page_there = true;
+  remove_page_at_end();
+  start_browser(page_file);
+  std::thread([] {
+    std::this_thread::sleep_for(std::chrono::seconds(60));
+    remove_page();
+  }).detach();
 }
 
 Outcome run(const StudioOptions& options, const Common& common, Progress& progress) {
@@ -71,18 +128,22 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
   progress.phase("finding the first field");
   StudioSession session(surface, start_design(options, file), file);
   progress.clear();
-  serve_studio(session, {.port = options.port, .title = options.mesh.path.stem().string()},
-               [&](const std::string& url) {
-                 // Said here and not at the end: there is no end.
-                 if (common.json) {
-                   fmt::print("{}\n", text_of(Json{{"url", url}, {"design", file.string()}}));
-                 } else {
-                   fmt::print("studio        {}\ndesign        {} (saved with every edit)\nCtrl-C ends it.\n", url,
-                              file.string());
-                 }
-                 std::fflush(stdout);
-                 if (!options.quiet_start) open_browser(url);
-               });
+  serve_studio(
+      session, {.port = options.port, .title = options.mesh.path.stem().string(), .opened = [] { remove_page(); }},
+      [&](const std::string& url) {
+        // Said here and not at the end: there is no end.
+        if (common.json) {
+          (void)std::fputs((text_of(Json{{"url", url}, {"design", file.string()}}) + "\n").c_str(), stdout);
+        } else {
+          (void)std::fputs(
+              printable(fmt::format("studio        {}\ndesign        {} (saved with every edit)\nCtrl-C ends it.\n",
+                                    url, file.string()))
+                  .c_str(),
+              stdout);
+        }
+        (void)std::fflush(stdout);
+        if (!options.quiet_start) open_browser(url);
+      });
   return {.report = Json::object()};
 }
 

@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 
 #include "alcap/memory.h"
@@ -19,6 +18,7 @@
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/clock.h"
+#include "src/base/input_file.h"
 
 namespace alcap::app {
 namespace view_parts {
@@ -46,10 +46,13 @@ struct ViewOptions {
 
 /// The report beside a field, null when there is none that can be read: it only adds figures.
 Json read_report(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  if (!in) return nullptr;
-  Json report = Json::parse(in, nullptr, false);
-  return report.is_discarded() ? Json() : report;
+  try {
+    const detail::InputFile file(path, {.what = "report", .largest = std::int64_t{1} << 30, .writer_seconds = 0.1});
+    Json report = Json::parse(file.bytes(), nullptr, false);
+    return report.is_discarded() ? Json() : report;
+  } catch (const FileError&) {
+    return nullptr;
+  }
 }
 
 std::string title_of(const ViewOptions& options, const std::filesystem::path& file, const Json& report) {
@@ -96,12 +99,17 @@ std::string summary(const ViewOptions& options, const Json& report) {
   return text;
 }
 
-Outcome run(const ViewOptions& options, Progress& progress) {
+Outcome run(const ViewOptions& options, const Common& common, Progress& progress) {
   const detail::Stopwatch watch;
   check_outputs(options);
   std::error_code error;
   const bool folder = std::filesystem::is_directory(options.field, error);
   const std::filesystem::path file = folder ? options.field / "field.ply" : options.field;
+  check_distinct({{"--report", common.report},
+                  {"-o", options.output},
+                  {"--png", options.picture.file},
+                  {"--curves", options.picture.curves}},
+                 {{"field", file}, {"report of the field", file.parent_path() / "report.json"}});
 
   progress.phase("reading");
   FieldFile data = read_field(file);
@@ -116,10 +124,14 @@ Outcome run(const ViewOptions& options, Progress& progress) {
   const FieldOutput output{.surface = connected, .field = field, .singularities = singularities};
 
   progress.phase("drawing curves");
-  std::vector<std::string> files = write_pictures(output, options.picture);
+  const std::optional<CurveSet> curves = picture_curves(output, options.picture);
+  std::vector<std::string> files = write_pictures(output, curves, options.picture);
   std::size_t bytes = 0;
+  bool complete = true;
   if (!options.output.empty()) {
-    const ViewPack scene = make_scene(output, title_of(options, file, figures), figures);
+    const PageCurves on_page = page_curves(output);
+    complete = on_page.complete();
+    const ViewPack scene = make_scene(output, on_page, title_of(options, file, figures), figures);
     progress.phase("writing");
     const std::string page = html_page(scene);
     write_text(options.output, page);
@@ -127,11 +139,13 @@ Outcome run(const ViewOptions& options, Progress& progress) {
     files.push_back(options.output.string());
   }
 
+  if (!complete || (curves && !curves->complete)) remarks.push_back(curves_cut_short());
   Outcome outcome{.report = report_head("view", true)};
   outcome.report["field"] = file.string();
   outcome.report["n"] = field.n;
   outcome.report["mesh"] = {{"vertices", surface.mesh().vertices()}, {"faces", surface.mesh().faces()}};
   outcome.report["singularities"] = {{"count", singularities.size()}};
+  if (curves) outcome.report["curves"] = curves_json(*curves);
   outcome.report["bytes"] = bytes;
   outcome.report["warnings"] = remarks_json(remarks, true);
   outcome.report["files"] = files;
@@ -152,7 +166,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_connection_options(app, options->connection);
   add_picture_options(app, options->picture);
   options->app = &app;
-  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+  return [options](const Common& common, Progress& progress) { return run(*options, common, progress); };
 }
 
 }  // namespace

@@ -9,10 +9,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
 
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
+#include "src/base/input_file.h"
 
 namespace alcap::app {
 namespace {
@@ -89,8 +90,8 @@ std::vector<DesignStroke> read_strokes(const std::string& text) {
   if (!(weight > 0) || !std::isfinite(weight))
     throw Failure(Exit::usage, "--stroke: " + text + " should be FILE or FILE:WEIGHT with a weight above 0",
                   {{"option", "--stroke"}, {"value", text}});
-  std::ifstream file(path);
-  if (!file) throw FileError(path + ": cannot be opened", path);
+  const detail::InputFile input(path, {.what = "file of points", .largest = std::int64_t{1} << 30});
+  std::istringstream file{std::string(input.bytes())};
   std::vector<DesignStroke> strokes(1);
   std::string line;
   for (std::int64_t number = 1; std::getline(file, line); ++number) {
@@ -147,6 +148,8 @@ DesignGuidance parse_guidance(const std::string& text) {
     guidance.source = DesignGuidance::Source::curvature;
   } else if (what == "least-curvature") {
     guidance.source = DesignGuidance::Source::least_curvature;
+  } else if (what == "strongest-curvature") {
+    guidance.source = DesignGuidance::Source::strongest_curvature;
   } else if (what == "zero") {
     guidance.source = DesignGuidance::Source::zero;
   } else {
@@ -385,12 +388,14 @@ DesignFile make_design(const DesignFlags& flags) {
   check_design(design);
   const bool nothing = design.singularities.empty() && design.fixed.empty() && design.strokes.empty() &&
                        !design.boundary.wanted && !flags.features && design.method != DesignMethod::eigen &&
+                       design.connection.cones.empty() && design.connection.cones_at.empty() &&
+                       !design.connection.balance &&
                        (design.guidance.source == DesignGuidance::Source::none ||
                         design.guidance.source == DesignGuidance::Source::zero);
   if (nothing)
     throw Failure(
         Exit::usage,
-        "nothing is designed; give --design FILE, singularities, fixed vertices, strokes, --align-boundary, or "
+        "nothing is designed; give --design FILE, singularities, fixed vertices, strokes, cones, --align-boundary, or "
         "--guidance smoothest");
   return design;
 }

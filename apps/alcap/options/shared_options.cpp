@@ -267,6 +267,17 @@ void add_weight_options(cli::App& app, GlobalOptions& options) {
       ->capture_default_str()
       ->check(cli::PositiveNumber)
       ->group("Connection");
+  app.add_option("--connection-tolerance", options.tolerance, "Relative residual of the global connection")
+      ->type_name("X")
+      ->capture_default_str()
+      ->check(cli::PositiveNumber)
+      ->group("Connection");
+  app.add_option("--connection-iterations", options.max_iterations,
+                 "Iterations after which the global connection is given up")
+      ->type_name("N")
+      ->capture_default_str()
+      ->check(cli::PositiveNumber)
+      ->group("Connection");
 }
 
 void add_eigen_options(cli::App& app, EigenOptions& options) {

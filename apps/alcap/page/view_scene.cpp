@@ -10,6 +10,7 @@
 
 #include "alcap/operators.h"
 #include "alcap/streamlines.h"
+#include "src/base/numbers.h"
 
 namespace alcap::app {
 namespace {
@@ -78,7 +79,7 @@ void add_field(ViewPack& pack, const FieldOutput& source) {
     length[static_cast<std::size_t>(v)] = static_cast<float>(norm);
     for (Eigen::Index c = 0; c < 3; ++c) {
       branch[static_cast<std::size_t>(3 * v + c)] =
-          norm > 0 ? static_cast<std::int16_t>(std::lround(32767 * vectors(v, c) / norm)) : std::int16_t{0};
+          norm > 0 ? detail::rounded<std::int16_t>(32767 * vectors(v, c) / norm).value_or(0) : std::int16_t{0};
     }
   }
   pack.meta["n"] = source.field.n;
@@ -112,19 +113,24 @@ void add_singularities(ViewPack& pack, const FieldOutput& source) {
   pack.add("arms", arms);
 }
 
-void add_curves(ViewPack& pack, const FieldOutput& source, double spacing) {
-  const Eigen::RowVector3d center = center_of(source.surface.V());
-  pack.meta["spacing"] = spacing * diagonal_of(source.surface.V());
-  add_lines(pack, "curves", "curve_offsets", streamlines(source.surface, source.field, {.spacing = spacing}), center);
-  // Shorter than the surface is wide: where they end in the middle, the pattern around the singularity is what counts.
-  add_lines(pack, "separatrices", "separatrix_offsets",
-            separatrices(source.surface, source.field, source.singularities, {.max_length = 0.5}), center);
-}
-
-double curve_spacing(const FieldOutput& source) {
+PageCurves page_curves(const FieldOutput& source) {
+  PageCurves out;
   // Some sixty curves across, so that they stay apart on a small screen too; on coarse meshes not many more than they
   // have edges.
-  return std::clamp(0.7 * source.surface.geometry().lengths().mean() / diagonal_of(source.surface.V()), 0.0095, 0.02);
+  out.spacing =
+      std::clamp(0.7 * source.surface.geometry().lengths().mean() / diagonal_of(source.surface.V()), 0.0095, 0.02);
+  out.even = streamlines(source.surface, source.field, {.spacing = out.spacing});
+  // Shorter than the surface is wide: where they end in the middle, the pattern around the singularity is what counts.
+  out.separatrices = separatrices(source.surface, source.field, source.singularities, {.max_length = 0.5});
+  return out;
+}
+
+void add_curves(ViewPack& pack, const FieldOutput& source, const PageCurves& curves) {
+  const Eigen::RowVector3d center = center_of(source.surface.V());
+  pack.meta["spacing"] = curves.spacing * diagonal_of(source.surface.V());
+  pack.meta["curves_complete"] = curves.complete();
+  add_lines(pack, "curves", "curve_offsets", curves.even, center);
+  add_lines(pack, "separatrices", "separatrix_offsets", curves.separatrices, center);
 }
 
 void add_scalars(ViewPack& pack, const FieldOutput& source) {
@@ -177,13 +183,13 @@ Figures figures(const Json& report) {
   return rows;
 }
 
-ViewPack make_scene(const FieldOutput& source, const std::string& title, const Json& report) {
+ViewPack make_scene(const FieldOutput& source, const PageCurves& curves, const std::string& title, const Json& report) {
   ViewPack pack;
   pack.meta["title"] = title;
   add_mesh(pack, source.surface);
   add_field(pack, source);
   add_singularities(pack, source);
-  add_curves(pack, source, curve_spacing(source));
+  add_curves(pack, source, curves);
   add_scalars(pack, source);
   pack.meta["euler"] = source.surface.topology().euler();
   pack.meta["figures"] = figures(report);
@@ -192,6 +198,10 @@ ViewPack make_scene(const FieldOutput& source, const std::string& title, const J
     pack.meta["holds"] = report.value("ok", false) || report.value("certified", false);
   }
   return pack;
+}
+
+ViewPack make_scene(const FieldOutput& source, const std::string& title, const Json& report) {
+  return make_scene(source, page_curves(source), title, report);
 }
 
 }  // namespace alcap::app

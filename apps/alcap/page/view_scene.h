@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "alcap/output.h"
+#include "alcap/streamlines.h"
 #include "apps/alcap/page/view_pack.h"
 
 namespace alcap::app {
@@ -26,10 +27,14 @@ void add_mesh(ViewPack& pack, const Surface& surface);
 void add_field(ViewPack& pack, const FieldOutput& source);
 /// Positions, indices and straight branches. `sizes` of the arms are left to the page.
 void add_singularities(ViewPack& pack, const FieldOutput& source);
-/// Evenly spaced curves and separatrices. `spacing` as in StreamlineOptions.
-void add_curves(ViewPack& pack, const FieldOutput& source, double spacing);
-/// A distance that suits the mesh.
-[[nodiscard]] double curve_spacing(const FieldOutput& source);
+/// Evenly spaced curves and separatrices, at a distance that suits the mesh.
+struct PageCurves {
+  double spacing = 0;  ///< as in StreamlineOptions
+  CurveSet even, separatrices;
+  [[nodiscard]] bool complete() const { return even.complete && separatrices.complete; }
+};
+[[nodiscard]] PageCurves page_curves(const FieldOutput& source);
+void add_curves(ViewPack& pack, const FieldOutput& source, const PageCurves& curves);
 /// n = 1: divergence, curl; otherwise |d|; always |dbar|, |u| and K, as densities.
 void add_scalars(ViewPack& pack, const FieldOutput& source);
 
@@ -38,5 +43,8 @@ void add_scalars(ViewPack& pack, const FieldOutput& source);
 
 /// Everything together: the page's data for one result. `report` may be empty.
 [[nodiscard]] ViewPack make_scene(const FieldOutput& source, const std::string& title, const Json& report);
+/// The same with curves that have been traced.
+[[nodiscard]] ViewPack make_scene(const FieldOutput& source, const PageCurves& curves, const std::string& title,
+                                  const Json& report);
 
 }  // namespace alcap::app

@@ -64,18 +64,22 @@ void add_picture_options(cli::App& app, PictureOptions& options) {
       ->group("Picture");
 }
 
-std::vector<std::string> write_pictures(const FieldOutput& output, const PictureOptions& options) {
+std::optional<CurveSet> picture_curves(const FieldOutput& output, const PictureOptions& options) {
+  if (options.file.empty() && options.curves.empty()) return std::nullopt;
+  return streamlines(output.surface, output.field,
+                     {.spacing = options.spacing, .separation = evenness, .min_length = 3 * options.spacing});
+}
+
+std::vector<std::string> write_pictures(const FieldOutput& output, const std::optional<CurveSet>& curves,
+                                        const PictureOptions& options) {
   std::vector<std::string> files;
-  if (options.file.empty() && options.curves.empty()) return files;
-  const CurveSet curves =
-      streamlines(output.surface, output.field,
-                  {.spacing = options.spacing, .separation = evenness, .min_length = 3 * options.spacing});
+  if (!curves) return files;
   if (!options.curves.empty()) {
-    write_guarded([&] { write_curves(curves, output.field.n, options.curves); });
+    write_guarded([&] { write_curves(*curves, output.field.n, options.curves); });
     files.push_back(options.curves.string());
   }
   if (!options.file.empty()) {
-    write_picture({output.surface.mesh(), output.surface.V(), curves, output.singularities}, options);
+    write_picture({output.surface.mesh(), output.surface.V(), *curves, output.singularities}, options);
     files.push_back(options.file.string());
   }
   return files;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -48,9 +49,12 @@ void add_picture_options(cli::App& app, PictureOptions& options);
 /// file cannot be written. Quick: meant to be called before long work.
 void check_picture(const PictureOptions& options);
 
-/// Traces evenly spaced curves once and writes what was asked for, --curves and --png; returns the files. Throws
-/// Failure.
-std::vector<std::string> write_pictures(const FieldOutput& output, const PictureOptions& options);
+/// The evenly spaced curves of the picture and the file of curves; nothing when neither was asked for.
+[[nodiscard]] std::optional<CurveSet> picture_curves(const FieldOutput& output, const PictureOptions& options);
+
+/// Writes what was asked for, --curves and --png; returns the files. Throws Failure.
+std::vector<std::string> write_pictures(const FieldOutput& output, const std::optional<CurveSet>& curves,
+                                        const PictureOptions& options);
 
 /// Draws and writes one picture; the file appears complete or not at all. Throws Failure.
 void write_picture(const PictureScene& scene, const PictureOptions& options);

@@ -111,7 +111,7 @@ Bands curve_bands(const PictureScene& scene, double taper) {
                        end = curves.offsets[static_cast<std::size_t>(k) + 1];
     const double length = curves.length(k);
     const auto tapers = [](CurveEnd e) {
-      return e == CurveEnd::separation || e == CurveEnd::length || e == CurveEnd::stuck;
+      return e == CurveEnd::separation || e == CurveEnd::length || e == CurveEnd::stuck || e == CurveEnd::budget;
     };
     const bool at_start = tapers(curves.start_reason[static_cast<std::size_t>(k)]),
                at_end = tapers(curves.end_reason[static_cast<std::size_t>(k)]);

@@ -41,6 +41,22 @@ OutputPlan plan_files(const FilesChoice& choice) {
   return plan;
 }
 
+void check_names(const OutputPlan& plan, const std::vector<NamedPath>& others, const std::vector<NamedPath>& inputs) {
+  std::vector<NamedPath> outputs = others;
+  if (plan.kind == OutputPlan::Kind::folder) {
+    // What write_files() puts there.
+    for (const auto& [flag, path] : others) {
+      const std::string name = path.filename().string();
+      if (name.starts_with("field.") || name == "design.json") outputs.emplace_back("-o", plan.target / name);
+    }
+  } else if (plan.kind == OutputPlan::Kind::file) {
+    outputs.emplace_back("-o", plan.target);
+    if (plan.target.extension() == ".rawfield")
+      outputs.emplace_back("-o", std::filesystem::path(plan.target).replace_extension(".sings"));
+  }
+  check_distinct(outputs, inputs);
+}
+
 void write_files(const OutputPlan& plan, const FilesChoice& choice, const FieldOutput& output,
                  const std::function<std::vector<std::string>(const std::filesystem::path& folder)>& extra,
                  const std::function<const Json&(const std::vector<std::string>& files)>& finish) {

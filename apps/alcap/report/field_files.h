@@ -27,6 +27,10 @@ void add_files_options(cli::App& app, FilesChoice& choice);
 /// Throws Failure as plan_output and chosen_formats do, and when --formats comes with a file.
 [[nodiscard]] OutputPlan plan_files(const FilesChoice& choice);
 
+/// Throws Failure(usage) when what is written as planned, and the `others`, are not all different files, or one of them
+/// is an input.
+void check_names(const OutputPlan& plan, const std::vector<NamedPath>& others, const std::vector<NamedPath>& inputs);
+
 /// What is written of a run, a FieldRun or a DesignRun; refers to it.
 template <class Run>
 [[nodiscard]] FieldOutput output_of(const Run& run) {

@@ -23,6 +23,8 @@ constexpr auto words = std::to_array<Row>({
     {"EigenOptions::tolerance", "--tolerance"},
     {"EigenOptions::prove_smallest", "--prove"},
     {"GlobalOptions::detail", "--detail"},
+    {"GlobalOptions::max_iterations", "--connection-iterations"},
+    {"GlobalOptions::tolerance", "--connection-tolerance"},
     {"DesignRunOptions::solver", "--solver"},
 });
 
@@ -37,6 +39,7 @@ constexpr auto fields = std::to_array<Row>({
     {"modes", "--modes"},
     {"count", "--modes"},
     {"solver", "--solver"},
+    {"guidance_weight", "--guidance"},
     {"name", "--solver"},
     {"format", "--input-format"},
     {"threads", "--threads"},

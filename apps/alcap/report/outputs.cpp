@@ -3,17 +3,22 @@
 // outputs.cpp: output files and folders that are complete or not there.
 #include "apps/alcap/report/outputs.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
 #include <system_error>
 
 #include "alcap/errors.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/atomic_file.h"
+#include "src/base/cancel.h"
 
 namespace alcap::app {
 namespace {
@@ -22,13 +27,21 @@ namespace fs = std::filesystem;
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-/// While it lives, the signals that end programs are only noted.
+/// While it lives, the signals that end programs are only noted, and writing ends soon. Those that are ignored already
+/// (nohup) stay so; those about the writing itself (a closed pipe, the largest size of a file) become errors of it.
 class HoldSignals {
  public:
-  HoldSignals() {
-    struct sigaction hold = {};
-    hold.sa_handler = [](int) { stop_requested = 1; };
-    for (std::size_t k = 0; k < signals.size(); ++k) ::sigaction(signals[k], &hold, &before_[k]);
+  HoldSignals() : scope_(stop_) {
+    for (std::size_t k = 0; k < signals.size(); ++k) {
+      ::sigaction(signals[k], nullptr, &before_[k]);
+      if (before_[k].sa_handler == SIG_IGN) continue;
+      struct sigaction hold = {};
+      if (signals[k] == SIGPIPE || signals[k] == SIGXFSZ)
+        hold.sa_handler = SIG_IGN;
+      else
+        hold.sa_handler = [](int) { stop_requested = 1; };
+      ::sigaction(signals[k], &hold, nullptr);
+    }
   }
   HoldSignals(const HoldSignals&) = delete;
   HoldSignals& operator=(const HoldSignals&) = delete;
@@ -36,12 +49,15 @@ class HoldSignals {
     for (std::size_t k = 0; k < signals.size(); ++k) ::sigaction(signals[k], &before_[k], nullptr);
   }
   static void check() {
-    if (stop_requested != 0) throw Failure(Exit::interrupted, "interrupted; nothing was left behind");
+    if (stop_requested != 0) throw Failure(Exit::interrupted, "interrupted while writing");
   }
 
  private:
-  static constexpr std::array signals{SIGINT, SIGTERM, SIGHUP};
+  static constexpr std::array signals{SIGPIPE, SIGXFSZ, SIGINT,  SIGTERM, SIGHUP,    SIGQUIT,
+                                      SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGPROF};
   std::array<struct sigaction, signals.size()> before_{};
+  std::function<bool()> stop_ = [] { return stop_requested != 0; };
+  alcap::detail::ControlScope scope_;
 };
 
 [[noreturn]] void fail(const fs::path& path, const std::string& what) {
@@ -70,22 +86,39 @@ class TemporaryFolder {
  public:
   explicit TemporaryFolder(const fs::path& target) {
     const fs::path full = fs::absolute(target);
-    path_ = full.parent_path() / fmt::format(".{}.tmp-{}", full.filename().string(), ::getpid());
-    std::error_code error;
-    fs::remove_all(path_, error);  // of a killed process with our number
-    fs::create_directory(path_, error);
-    if (error) fail(target, fmt::format("cannot create a folder beside it ({})", error.message()));
+    int error = EEXIST;
+    for (int attempt = 0; attempt < 100 && error == EEXIST; ++attempt) {
+      path_ = alcap::detail::temporary_name(full);
+      error = ::mkdir(path_.c_str(), 0777) == 0 ? 0 : errno;
+    }
+    if (error != 0) {
+      const std::string reason = std::generic_category().message(error);
+      fail(target, fmt::format("cannot create a folder beside it ({})", reason));
+    }
+    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor_ >= 0) (void)::flock(descriptor_, LOCK_EX | LOCK_NB);  // says that its writer lives
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   ~TemporaryFolder() {
+    if (descriptor_ >= 0) ::close(descriptor_);
     std::error_code ignored;
-    fs::remove_all(path_, ignored);
+    if (!path_.empty()) fs::remove_all(path_, ignored);
   }
   [[nodiscard]] const fs::path& path() const { return path_; }
+  /// Gives the folder its name.
+  void move_to(const fs::path& target) {
+    std::error_code error;
+    alcap::detail::sync_folder(path_);
+    fs::rename(path_, target, error);
+    if (error) fail(target, fmt::format("cannot give the finished folder its name ({})", error.message()));
+    path_.clear();
+    alcap::detail::sync_folder(fs::absolute(target).parent_path());
+  }
 
  private:
   fs::path path_;
+  int descriptor_ = -1;
 };
 
 fs::path without_slash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }
@@ -96,6 +129,8 @@ void run_writer(const std::function<void()>& write) {
     write();
   } catch (const FileError& e) {
     throw Failure(Exit::output, e.what(), file_details(e));
+  } catch (const Cancelled&) {
+    throw Failure(Exit::interrupted, "interrupted while writing; nothing was left behind");
   }
 }
 
@@ -107,6 +142,9 @@ void check_writable(const fs::path& file) {
   std::error_code error;
   if (file.filename().empty() || fs::is_directory(file, error)) fail(file, "this is a folder; give the name of a file");
   if (fs::exists(file, error) && !fs::is_regular_file(file, error)) return;  // a pipe or device
+  const fs::path final = alcap::detail::follow_links(file);
+  if (final.empty()) fail(file, "this symbolic link leads in a circle");
+  if (final != file) return check_folder(fs::absolute(final).parent_path(), file);
   // The folder may be one that this very run creates (-o out --report out/report.json), so only what exists is checked.
   check_folder(existing_parent(file), file);
 }
@@ -130,6 +168,8 @@ OutputPlan plan_output(const fs::path& path, const std::vector<std::string>& ext
   const bool known =
       !extension.empty() && std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
   if (fs::is_directory(target, error) || slash || extension.empty()) {
+    if (fs::is_symlink(target, error) && !fs::exists(target, error))
+      fail(target, "this symbolic link leads nowhere; remove it, or create the folder it names");
     if (fs::exists(target, error) && !fs::is_directory(target, error)) {
       fail(target, "exists and is not a folder; give another name, or a file name with an extension");
     }
@@ -149,9 +189,47 @@ OutputPlan plan_output(const fs::path& path, const std::vector<std::string>& ext
   return {OutputPlan::Kind::file, target};
 }
 
+std::vector<Remark> leftover_remarks(const fs::path& target) {
+  std::vector<Remark> remarks;
+  if (target.empty()) return remarks;
+  for (const fs::path& left : alcap::detail::find_leftovers(fs::absolute(without_slash(target))))
+    remarks.push_back(
+        {.code = "leftover",
+         .message = fmt::format("{} is what a run that was killed has left; nobody writes into it, and it "
+                                "can be deleted",
+                                left.string())});
+  return remarks;
+}
+
+void check_distinct(const std::vector<NamedPath>& outputs, const std::vector<NamedPath>& inputs) {
+  const auto same = [](const fs::path& a, const fs::path& b) {
+    std::error_code error;
+    if (fs::equivalent(a, b, error)) return fs::is_regular_file(a, error);  // two runs of bytes into one pipe are fine
+    const fs::path to_a = alcap::detail::follow_links(fs::absolute(a)),
+                   to_b = alcap::detail::follow_links(fs::absolute(b));
+    return !fs::exists(to_a, error) && fs::weakly_canonical(to_a, error) == fs::weakly_canonical(to_b, error);
+  };
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (outputs[i].second.empty()) continue;
+    for (const auto& [flag, path] : inputs)
+      if (!path.empty() && same(path, outputs[i].second))
+        throw Failure(Exit::usage,
+                      fmt::format("{} {} would replace the {}; give another name", outputs[i].first,
+                                  outputs[i].second.string(), flag),
+                      {{"option", outputs[i].first}, {"value", outputs[i].second.string()}});
+    for (std::size_t j = 0; j < i; ++j)
+      if (!outputs[j].second.empty() && same(outputs[i].second, outputs[j].second))
+        throw Failure(Exit::usage,
+                      fmt::format("{} and {} name the same file, {}; give two names", outputs[j].first,
+                                  outputs[i].first, outputs[i].second.string()),
+                      {{"option", outputs[i].first}, {"value", outputs[i].second.string()}});
+  }
+}
+
 void write_guarded(const std::function<void()>& write) {
   const HoldSignals hold;
   run_writer(write);
+  HoldSignals::check();
 }
 
 std::vector<std::string> write_folder(const fs::path& target, const std::function<void(const fs::path&)>& write) {
@@ -159,7 +237,7 @@ std::vector<std::string> write_folder(const fs::path& target, const std::functio
   std::error_code error;
   fs::create_directories(fs::absolute(target).parent_path(), error);
   if (error) fail(target, fmt::format("cannot create the folder above it ({})", error.message()));
-  const TemporaryFolder temporary(target);
+  TemporaryFolder temporary(target);
   run_writer([&] { write(temporary.path()); });
   HoldSignals::check();
 
@@ -169,8 +247,7 @@ std::vector<std::string> write_folder(const fs::path& target, const std::functio
     return std::pair(a == last_file, a) < std::pair(b == last_file, b);
   });
   if (!fs::exists(target, error)) {
-    fs::rename(temporary.path(), target, error);
-    if (error) fail(target, fmt::format("cannot give the finished folder its name ({})", error.message()));
+    temporary.move_to(target);
     return names;
   }
   fs::remove(target / last_file, error);
@@ -178,6 +255,7 @@ std::vector<std::string> write_folder(const fs::path& target, const std::functio
     fs::rename(temporary.path() / n, target / n, error);
     if (error) fail(target / n, fmt::format("cannot give the finished file its name ({})", error.message()));
   }
+  alcap::detail::sync_folder(target);
   return names;
 }
 

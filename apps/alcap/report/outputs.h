@@ -6,15 +6,18 @@
 // name; if the folder exists already, its old report.json is removed, the new files replace the old ones one by one,
 // and the new report.json comes last. So a report.json always belongs to complete files, and a run that fails while
 // computing or writing leaves no trace. Ctrl-C ends the program at once while it computes, when there is nothing to
-// clean up; while it writes, what was written is removed first.
+// clean up; while it writes, what was written is removed first. Names of temporary folders are random and created by
+// nobody else; everything is on the disk before it gets its name.
 #pragma once
 
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "alcap/field_run.h"
 #include "apps/alcap/commands/command.h"
 
 namespace alcap::app {
@@ -22,6 +25,16 @@ namespace alcap::app {
 /// Throws Failure(output) when a file cannot be created there: no such folder, no permission, it is a folder. Called
 /// before long work.
 void check_writable(const std::filesystem::path& file);
+
+/// The temporary files and folders beside `target` that runs which were killed have left: a warning each. Nothing is
+/// deleted.
+[[nodiscard]] std::vector<Remark> leftover_remarks(const std::filesystem::path& target);
+
+/// A file by the flag that names it, or by what it is.
+using NamedPath = std::pair<std::string, std::filesystem::path>;
+
+/// Throws Failure(usage) when two outputs are the same file, or an output is an input. Empty paths do not count.
+void check_distinct(const std::vector<NamedPath>& outputs, const std::vector<NamedPath>& inputs);
 
 /// Writes a text file that appears complete or not at all. Throws Failure(output).
 void write_text(const std::filesystem::path& file, std::string_view text);
@@ -43,7 +56,7 @@ struct OutputPlan {
 std::vector<std::string> write_folder(const std::filesystem::path& target,
                                       const std::function<void(const std::filesystem::path& folder)>& write);
 
-/// Calls write() with failures to write turned into Failure(output), and Ctrl-C held back until it is done.
+/// Calls write() with failures to write turned into Failure(output), and Ctrl-C into Failure(interrupted).
 void write_guarded(const std::function<void()>& write);
 
 }  // namespace alcap::app

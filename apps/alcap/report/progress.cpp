@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <string_view>
 
+#include "apps/alcap/report/printable.h"
+
 namespace alcap::app {
 namespace {
 
@@ -39,14 +41,14 @@ Progress::~Progress() {
 void Progress::phase(const std::string& what) {
   if (!on_) return;
   const std::lock_guard lock(mutex_);
-  what_ = what;
+  what_ = printable_line(what);
   draw();
 }
 
 void Progress::clear() {
   if (!on_) return;
   const std::lock_guard lock(mutex_);
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) (void)std::fputs("\r\033[K", stderr);
   std::fflush(stderr);
   drawn_ = false;
   what_.clear();
@@ -60,7 +62,8 @@ void Progress::tick() {
 void Progress::draw() {
   if (what_.empty()) return;
   const double seconds = watch_.seconds();
-  fmt::print(stderr, "\r\033[K{:6.1f} s  {} ...", seconds, what_);
+  // The terminal may be gone by now: nothing may be thrown here.
+  (void)std::fputs(fmt::format("\r\033[K{:6.1f} s  {} ...", seconds, what_).c_str(), stderr);
   std::fflush(stderr);
   drawn_ = true;
 }

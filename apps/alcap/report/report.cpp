@@ -300,11 +300,9 @@ const char* name(Exit exit) {
 Json input_json(const std::filesystem::path& path, const MeshFile& file) {
   Json ignored = Json::object();
   for (const auto& [kind, count] : file.ignored) ignored[kind] = count;
-  return {{"path", path.string()},
-          {"format", file.format},
-          {"bytes", file.bytes},
-          {"polygons_triangulated", !file.polygon_of.empty()},
-          {"ignored", std::move(ignored)}};
+  return {{"path", path.string()},         {"format", file.format},
+          {"bytes", file.bytes},           {"polygons_triangulated", !file.polygon_of.empty()},
+          {"ignored", std::move(ignored)}, {"remarks", file.remarks}};
 }
 
 Json singularities_json(const Surface& surface, int n, const std::vector<IndexSum>& sums,
@@ -386,6 +384,20 @@ Json remarks_json(const std::vector<Remark>& remarks, bool warnings) {
   return list;
 }
 
+Json curves_json(const CurveSet& curves) {
+  Json ends = Json::object();
+  for (const auto* reasons : {&curves.start_reason, &curves.end_reason})
+    for (const CurveEnd end : *reasons) ends[std::string(name(end))] = ends.value(std::string(name(end)), 0) + 1;
+  return {{"count", curves.size()}, {"points", curves.points.rows()}, {"complete", curves.complete}, {"ends", ends}};
+}
+
+Remark curves_cut_short() {
+  return {.code = "curves_cut_short",
+          .message =
+              "curves are missing or end early, because they would have too many points: faces are so thin that "
+              "curves wind around them, or the spacing is too small"};
+}
+
 Json defects_json(const std::vector<DefectReport>& defects) {
   Json list = Json::array();
   for (const DefectReport& d : defects) {
@@ -463,6 +475,8 @@ std::string short_text(const Json& value) {
 
 std::string summary_end(const Json& report) {
   std::string text, files;
+  if (report.contains("input"))
+    for (const Json& r : report["input"]["remarks"]) text += summary_line("file", r.get<std::string>());
   for (const Json& w : report["warnings"]) text += summary_line("warning", w["message"].get<std::string>());
   for (const Json& w : report["notes"]) text += summary_line("note", w["message"].get<std::string>());
   for (const Json& f : report["files"]) files += (files.empty() ? "" : ", ") + f.get<std::string>();

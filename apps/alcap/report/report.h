@@ -12,6 +12,7 @@
 #include "alcap/field_run.h"
 #include "alcap/mesh_check.h"
 #include "alcap/mesh_io.h"
+#include "alcap/streamlines.h"
 #include "apps/alcap/commands/command.h"
 
 namespace alcap::app {
@@ -39,6 +40,10 @@ inline constexpr int report_version = 1;
 /// What was found: counts, sums and the list. `n` is the field's.
 [[nodiscard]] Json singularities_json(const Surface& surface, int n, const std::vector<IndexSum>& sums,
                                       const std::vector<Singularity>& singularities);
+/// How many curves, points, and why they end.
+[[nodiscard]] Json curves_json(const CurveSet& curves);
+/// The warning that curves are missing or end early because they would have too many points.
+[[nodiscard]] Remark curves_cut_short();
 [[nodiscard]] Json defects_json(const std::vector<DefectReport>& defects);
 
 struct RunSeconds {

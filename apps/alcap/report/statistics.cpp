@@ -93,9 +93,12 @@ Statistics measure(const Positions<double>& V, const Faces& F) {
     if (!p.allFinite()) continue;
     s.box_min = s.box_min.cwiseMin(p.colwise().minCoeff());
     s.box_max = s.box_max.cwiseMax(p.colwise().maxCoeff());
+    // Angles of faces whose areas are too large or too small for a number.
+    const double extent = (p.rowwise() - p.row(0)).cwiseAbs().maxCoeff();
+    const double scale = extent > 0 && std::isfinite(extent) ? std::ldexp(1.0, std::ilogb(extent)) : 1.0;
     for (int c = 0; c < 3; ++c) {
-      const Eigen::RowVector3d a = p.row((c + 1) % 3) - p.row(c), b = p.row((c + 2) % 3) - p.row(c);
-      const double length = a.norm(), angle = std::atan2(a.cross(b).norm(), a.dot(b));
+      const Eigen::RowVector3d a = (p.row((c + 1) % 3) - p.row(c)) / scale, b = (p.row((c + 2) % 3) - p.row(c)) / scale;
+      const double length = scale * a.norm(), angle = std::atan2(a.cross(b).norm(), a.dot(b));
       s.edge_min = std::min(s.edge_min, length);
       s.edge_max = std::max(s.edge_max, length);
       s.edge_mean += length;
@@ -104,7 +107,7 @@ Statistics measure(const Positions<double>& V, const Faces& F) {
         s.angle_min = std::min(s.angle_min, angle);
         s.angle_max = std::max(s.angle_max, angle);
       }
-      if (c == 0) s.area += a.cross(b).norm() / 2;
+      if (c == 0) s.area += scale * scale * (a.cross(b).norm() / 2);
     }
   }
   s.edge_mean /= static_cast<double>(measured);

@@ -12,11 +12,13 @@
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <random>
 
 #include "alcap/output.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/report/report.h"
+#include "apps/alcap/studio/connection_guard.h"
 
 namespace alcap::app {
 namespace {
@@ -24,7 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t largest_body = std::size_t{8} << 20;  // a design of 10,000 strokes
-constexpr std::size_t threads = 32;                         // a waiting tab holds one
+constexpr std::size_t threads = 64;                         // a waiting tab holds one, an unknown connection too
+constexpr auto read_timeout = std::chrono::seconds(5);      // between two bytes of a request
 constexpr auto longest_wait = std::chrono::seconds(20);
 constexpr const char* binary = "application/octet-stream";
 
@@ -95,7 +98,9 @@ class Handlers {
 
   void add(httplib::Server& server, int port) {
     port_ = port;
+    connections_.emplace(port);
     server.set_payload_max_length(largest_body);
+    server.set_read_timeout(read_timeout);
     server.set_pre_routing_handler([this](const auto& request, auto& response) { return guard(request, response); });
     server.set_exception_handler([](const auto&, auto& response, const std::exception_ptr& thrown) {
       try {
@@ -132,11 +137,12 @@ class Handlers {
     });
     server.Get("/api/export", [this](const auto& request, auto& response) { write(request, response); });
     server.Post("/api/edit", [this](const auto& request, auto& response) {
-      const std::string base = request.get_param_value("base");
-      if (!base.empty() && number_in(request, "base") != session_.state().revision)
-        return answer(response, 409, "another tab changed the design");
+      std::optional<std::uint64_t> base;
+      if (!request.get_param_value("base").empty()) base = number_in(request, "base");
       try {
-        state(request, response, session_.edit(request.body, request.get_param_value("gesture")));
+        state(request, response, session_.edit(request.body, request.get_param_value("gesture"), base));
+      } catch (const StudioConflict& e) {
+        answer(response, 409, e.what());
       } catch (const FileError& e) {
         answer(response, 400, e.what());
       } catch (const OptionError& e) {
@@ -166,7 +172,7 @@ class Handlers {
     response.set_content(content, type);
   }
 
-  httplib::Server::HandlerResponse guard(const httplib::Request& request, httplib::Response& response) const {
+  httplib::Server::HandlerResponse guard(const httplib::Request& request, httplib::Response& response) {
     using Next = httplib::Server::HandlerResponse;
     response.set_header("Cache-Control", "no-store");
     response.set_header("X-Content-Type-Options", "nosniff");
@@ -179,13 +185,17 @@ class Handlers {
     const std::array<std::string, 2> hosts{fmt::format("127.0.0.1:{}", port_), fmt::format("localhost:{}", port_)};
     const std::string host = request.get_header_value("Host"), origin = request.get_header_value("Origin");
     const std::string site = request.get_header_value("Sec-Fetch-Site");
-    const bool ours = host == hosts[0] || host == hosts[1];
+    // A proxy in between could look at another one of several.
+    const bool once = request.get_header_value_count("Host") == 1 && request.get_header_value_count("Origin") <= 1;
+    const bool ours = once && (host == hosts[0] || host == hosts[1]);
     const bool asked_by_us = origin.empty() || origin == "http://" + host;
     const bool near = site.empty() || site == "same-origin" || site == "none";
     if (!ours || !asked_by_us || !near || !same(request.get_param_value("t"), token_)) {
       answer(response, 403, "open the address that alcap studio printed; it changes with every start");
       return Next::Handled;
     }
+    connections_->trust(request.remote_port);
+    if (options_.opened) options_.opened();
     return Next::Unhandled;
   }
 
@@ -214,6 +224,7 @@ class Handlers {
   const StudioServerOptions& options_;
   std::string token_ = make_token();
   int port_ = 0;
+  std::optional<ConnectionGuard> connections_;
 };
 
 }  // namespace

@@ -4,7 +4,7 @@
 //
 // Only this machine can connect. Every request carries a token that this run made up; the Host and Origin headers must
 // be those of this server, so that no other site's page gets through, by whatever name it found us (DNS rebinding).
-// Bodies are limited in size, and nothing in a request names a file.
+// Bodies are limited in size, nothing in a request names a file, and connections without the token get little time.
 #pragma once
 
 #include <functional>
@@ -17,6 +17,8 @@ namespace alcap::app {
 struct StudioServerOptions {
   int port = 0;                  // any that is free
   std::string title = "studio";  // of the page and of downloads
+  /// Called with every request that has the token, from any thread.
+  std::function<void()> opened = {};
 };
 
 /// Whether this program has the studio's server. Throws Failure(usage) that says what is missing otherwise.

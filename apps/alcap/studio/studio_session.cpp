@@ -3,13 +3,55 @@
 // studio_session.cpp: history and saving. Steps keep their results, so that going back is exact and costs nothing.
 #include "apps/alcap/studio/studio_session.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <csignal>
+
 #include "alcap/errors.h"
 #include "apps/alcap/report/outputs.h"
 
 namespace alcap::app {
 
+namespace {
+
+// What a page can show and a person can draw; a solve of so many takes seconds.
+constexpr std::size_t most_controls = 2000, most_points = 200'000;
+
+void check_size(const DesignFile& design) {
+  const std::size_t controls =
+      design.singularities.size() + design.fixed.size() + design.strokes.size() + design.connection.cones.size();
+  std::size_t points = 0;
+  for (const DesignStroke& stroke : design.strokes) points += stroke.path.size() + stroke.vertices.size();
+  if (controls > most_controls)
+    throw OptionError("controls", controls, "the studio takes at most " + std::to_string(most_controls));
+  if (points > most_points)
+    throw OptionError("/strokes", points, "the studio takes at most " + std::to_string(most_points) + " points");
+}
+
+}  // namespace
+
+DesignLock::DesignLock(const std::filesystem::path& file) {
+  const std::filesystem::path full = std::filesystem::absolute(file);
+  path_ = full.parent_path() / ("." + full.filename().string() + ".lock");
+  descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (descriptor_ < 0) return;  // a folder that cannot be written to is somebody else's complaint
+  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
+  ::close(descriptor_);
+  throw Failure(Exit::output,
+                file.string() + ": another studio works on this design; use that one, or another --design FILE",
+                {{"path", file.string()}});
+}
+
+DesignLock::~DesignLock() {
+  if (descriptor_ < 0) return;
+  ::unlink(path_.c_str());
+  ::close(descriptor_);
+}
+
 StudioSession::StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file)
-    : surface_(surface), file_(std::move(file)), solver_(surface) {
+    : surface_(surface), file_(std::move(file)), lock_(file_), solver_(surface) {
   check_design(design, surface.mesh());
   now_ = {.design = std::move(design), .result = nullptr};
   try {
@@ -37,21 +79,37 @@ StudioState StudioSession::state() const {
   return state_locked();
 }
 
-void StudioSession::changed() {
+template <class Shift>
+StudioState StudioSession::become(const Step& next, Shift&& shift) {
+  try {
+    write_guarded([&] { write_design(file_, next.design); });
+  } catch (const Failure& e) {
+    if (e.exit() == Exit::interrupted) ::kill(::getpid(), SIGINT);  // nobody else here ends the program
+    throw;
+  }
+  const std::lock_guard lock(mutex_);
+  shift();
   ++revision_;
   moved_.notify_all();
-  write_design(file_, now_.design);
+  return state_locked();
 }
 
-StudioState StudioSession::edit(const std::string& text, const std::string& gesture) {
+StudioState StudioSession::edit(const std::string& text, const std::string& gesture,
+                                std::optional<std::uint64_t> base) {
   DesignFile design = parse_design(text);
   // Nothing in a request may name a file.
   if (design.guidance.source == DesignGuidance::Source::file)
     throw OptionError("/guidance/field", design.guidance.file.string(), "the studio opens no files named by a page");
+  check_size(design);
   design = place_design(design, surface_);
 
-  const std::lock_guard lock(mutex_);
-  Step next{.design = std::move(design), .result = now_.result};
+  const std::lock_guard change(changes_);
+  Step next{.design = std::move(design), .result = nullptr};
+  {
+    const std::lock_guard lock(mutex_);
+    if (base && *base != revision_) throw StudioConflict();
+    next.result = now_.result;
+  }
   try {
     next.result = solver_.solve(next.design);
   } catch (const OptionError& e) {
@@ -59,39 +117,38 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
   } catch (const SolveError& e) {
     next.problem = e.what();
   }
-  if (gesture.empty() || gesture != gesture_) {
-    past_.push_back(std::move(now_));
-    if (past_.size() > longest_history) past_.erase(past_.begin());
-  }
-  gesture_ = gesture;
-  future_.clear();
-  now_ = std::move(next);
-  changed();
-  return state_locked();
+  return become(next, [&] {
+    if (gesture.empty() || gesture != gesture_) {
+      past_.push_back(std::move(now_));
+      if (past_.size() > longest_history) past_.erase(past_.begin());
+    }
+    gesture_ = gesture;
+    future_.clear();
+    now_ = std::move(next);
+  });
 }
 
+// Only changes move the history, and this is one.
 StudioState StudioSession::undo() {
-  const std::lock_guard lock(mutex_);
-  if (!past_.empty()) {
+  const std::lock_guard change(changes_);
+  if (past_.empty()) return state();
+  return become(past_.back(), [&] {
     future_.push_back(std::move(now_));
     now_ = std::move(past_.back());
     past_.pop_back();
     gesture_.clear();
-    changed();
-  }
-  return state_locked();
+  });
 }
 
 StudioState StudioSession::redo() {
-  const std::lock_guard lock(mutex_);
-  if (!future_.empty()) {
+  const std::lock_guard change(changes_);
+  if (future_.empty()) return state();
+  return become(future_.back(), [&] {
     past_.push_back(std::move(now_));
     now_ = std::move(future_.back());
     future_.pop_back();
     gesture_.clear();
-    changed();
-  }
-  return state_locked();
+  });
 }
 
 std::uint64_t StudioSession::wait(std::uint64_t known, std::chrono::milliseconds limit) const {

@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -26,15 +28,38 @@ struct StudioState {
   std::size_t undo = 0, redo = 0;
 };
 
+/// An edit that is not based on the design of now.
+class StudioConflict : public std::runtime_error {
+ public:
+  StudioConflict() : std::runtime_error("another tab changed the design") {}
+};
+
+/// Holds a design's file for this process: a lock on a hidden file beside it.
+class DesignLock {
+ public:
+  /// Throws Failure(output) when another process holds it.
+  explicit DesignLock(const std::filesystem::path& file);
+  DesignLock(const DesignLock&) = delete;
+  DesignLock& operator=(const DesignLock&) = delete;
+  ~DesignLock();
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+  int descriptor_ = -1;
+};
+
 class StudioSession {
  public:
-  /// Solves `design`. Edits are saved to `file`, which appears complete or not at all. Throws what solving throws.
+  /// Solves `design`. Edits are saved to `file`, which appears complete or not at all, before they count. Throws what
+  /// solving throws, and Failure(output) when another studio has the file.
   StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file);
 
   /// Replaces the design by the one in the text (JSON). Edits with the same `gesture`, other than "", are one step of
-  /// the history. Throws FileError and OptionError for designs that are not well-formed or not of this surface; one
-  /// that has no field, such as cones with the wrong sum, is taken, with `problem`.
-  StudioState edit(const std::string& text, const std::string& gesture);
+  /// the history. Throws FileError and OptionError for designs that are not well-formed, too large or not of this
+  /// surface; one that has no field, such as cones with the wrong sum, is taken, with `problem`. Throws StudioConflict
+  /// when the revision is another than `base`, Failure when the file cannot be written; nothing has changed then.
+  StudioState edit(const std::string& text, const std::string& gesture, std::optional<std::uint64_t> base = {});
   /// One step back or forward; nothing happens at the end of the history. Results are those of before, bit for bit.
   StudioState undo();
   StudioState redo();
@@ -53,12 +78,16 @@ class StudioSession {
   static constexpr std::size_t longest_history = 200;  // steps; a field of 25,000 vertices is 0.5 MB
 
   [[nodiscard]] StudioState state_locked() const;
-  void changed();
+  /// Saves the step, and only then makes it the present one; `shift` changes the history.
+  template <class Shift>
+  StudioState become(const Step& next, Shift&& shift);
 
   Surface surface_;
   std::filesystem::path file_;
+  DesignLock lock_;
   StudioSolver solver_;
-  mutable std::mutex mutex_;
+  std::mutex changes_;        // one change at a time, solving and saving included; taken before mutex_
+  mutable std::mutex mutex_;  // what is below; never held while anything is solved or written
   mutable std::condition_variable moved_;
   Step now_;
   std::vector<Step> past_, future_;

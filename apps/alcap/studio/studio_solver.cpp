@@ -10,7 +10,7 @@ const std::string& StudioResult::details() const {
   std::call_once(once_, [&] {
     ViewPack pack;
     pack.meta["result"] = id;
-    add_curves(pack, output(), curve_spacing(output()));
+    add_curves(pack, output(), page_curves(output()));
     add_scalars(pack, output());
     details_ = pack.bytes();
   });

@@ -12,12 +12,14 @@
 
 #include <Eigen/Core>
 
+#include "src/base/numbers.h"
+
 namespace alcap::app {
 
 inline constexpr int max_harmonics = 48;  // l = 1 ... 6
 
 /// l of harmonic k.
-inline int harmonic_degree(int k) { return static_cast<int>(std::sqrt(k + 1.5)); }
+inline int harmonic_degree(int k) { return detail::to_integer(std::sqrt(k + 1.5), 0, 46340); }
 
 /// Y_k at a point of the unit sphere, k < values.size() <= max_harmonics.
 void harmonics(const Eigen::RowVector3d& p, Eigen::Ref<Eigen::VectorXd> values);

@@ -18,11 +18,10 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 // Decides over rounds of refinement from the squared norms of their gradients.
 class Rounds {
  public:
-  Rounds(const GlobalOptions& options, Index halfedges, Refinement& state)
+  Rounds(const GlobalOptions& options, double rounding, Refinement& state)
       : state_(state),
         tolerance_(std::max(options.tolerance, 4 * epsilon)),
-        // Where the start is already the optimum (a flat piece) the gradient is rounding and nothing is left to do.
-        rounding_(epsilon * std::sqrt(double(halfedges))),
+        rounding_(rounding),
         most_(options.max_iterations) {}
 
   /// Whether another correction is needed, for the gradient that the last one has left.
@@ -31,10 +30,12 @@ class Rounds {
     // A round that gains less than a digit has met its own rounding.
     constexpr double useful_reduction = 0.1;
     stalled_ = started_ && norm > useful_reduction * last_;
-    if (!started_) first_ = norm;
+    // Where the start is the optimum already, or close to it (a flat piece, a regular solid), the gradient is rounding
+    // and nothing is left to do.
+    if (!started_) scale_ = std::max(norm, rounding_ / tolerance_);
     started_ = true;
     last_ = norm;
-    state_.residual = first_ > rounding_ ? norm / first_ : 0.0;
+    state_.residual = norm / scale_;
     state_.converged = state_.residual <= tolerance_;
     return !state_.converged && left() > 0;
   }
@@ -47,10 +48,26 @@ class Rounds {
 
  private:
   Refinement& state_;
-  double tolerance_, rounding_, first_ = 0, last_ = 0;
+  double tolerance_, rounding_, scale_ = 0, last_ = 0;
   int most_;
   bool started_ = false, stalled_ = false;
 };
+
+// The norm that gradients have when every angle is off by its rounding: the root of the sum of the energies, less what
+// faces hide from their neighbours (kernels/face_relaxation.h).
+double rounding_of(const FaceEnergy& energy) {
+  // Angles are up to a turn or so, and a force is a sum of some of them.
+  constexpr double digits = 32 * epsilon;
+  const double weights = parallel_sum<double>(energy.mesh.faces(), [&](std::int64_t t) {
+    double sum = 0;
+    for (Index h = static_cast<Index>(3 * t), k = 0; k < 3; ++k) {
+      sum += energy.geometry.cot(h + k) / 36;
+      if (!energy.mesh.boundary_halfedge(h + k)) sum += energy.lambda * energy.weights(h + k);
+    }
+    return sum;
+  });
+  return digits * std::sqrt(weights);
+}
 
 Corrections no_corrections(const Mesh& mesh, FacePairs faces) {
   Corrections c{std::move(faces), Array<EdgeCorrection>(mesh.edges()), Array<double>(mesh.halfedges()), {}};
@@ -82,7 +99,7 @@ Corrections solve_free(const FaceEnergy& energy, const LiftedState& state, const
                  [&](std::int64_t i) { c.edges[i] = c.edges[i] + some.solution(static_cast<Index>(i)); });
     return done;
   };
-  Rounds rounds(options, mesh.halfedges(), c.refinement);
+  Rounds rounds(options, rounding_of(energy), c.refinement);
   for (double square = system.start(gradient); rounds.another(square); square = system.start(gradient)) {
     if (rounds.stalled()) {
       if (in_double) break;  // which has reached its own rounding, too
@@ -120,7 +137,7 @@ Corrections solve_held(const FaceEnergy& energy, const LiftedState& state, const
     parallel_for(mesh.edges(), [&](std::int64_t e) { q[e] = -1.0 * held_force(rest, static_cast<Index>(e)); });
   };
   Array<EdgeCorrection> residual(mesh.edges());
-  Rounds rounds(options, mesh.halfedges(), c.refinement);
+  Rounds rounds(options, rounding_of(energy), c.refinement);
   int stalls = 0;
   while (rounds.another(blocks.start(gradient))) {
     stalls += rounds.stalled() ? 1 : 0;

@@ -74,15 +74,16 @@ Cplx Flow::across(Index h, double s) const {
                         edge_to_face_at(mesh_, connection_, mesh_.twin(h), 1 - s));
 }
 
-bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
-                       Cplx& turned) const {
-  constexpr int most_faces = 100'000;  // a bound for walks around a vertex in ever thinner faces
+Straight Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
+                           Cplx& turned) const {
+  // A bound for walks around a vertex in ever thinner faces.
+  const std::int64_t most_faces = std::min<std::int64_t>(100'000, 1000 + 4 * std::int64_t{mesh_.faces()});
   constexpr double off_vertex = 1e-9;  // of an edge: vertices are passed by
   SurfacePoint at = p;
   crossed.push_back(p);
   turned = {1, 0};
   Index entry = none;
-  for (int k = 0; k < most_faces; ++k) {
+  for (std::int64_t k = 0; k < most_faces; ++k) {
     const FaceChart here = chart(at.face);
     Index exit = none;
     double ahead = std::numeric_limits<double>::infinity();
@@ -93,17 +94,17 @@ bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector
       ahead = -b / rate;
     }
     if (exit == none || ahead >= length) {
-      if (exit == none) return false;
+      if (exit == none) return Straight::lost;
       at.barycentric = clamped(here.moved(at.barycentric, length * w));
       crossed.push_back(at);
-      return true;
+      return Straight::there;
     }
     length -= ahead;
     at.barycentric = here.moved(at.barycentric, ahead * w);
     at.barycentric[detail::at(exit)] = 0;
     at.barycentric = clamped(at.barycentric);
     const Index h = 3 * at.face + (exit + 1) % 3, g = mesh_.twin(h);
-    if (g == none) return false;
+    if (g == none) return Straight::boundary;
     crossed.push_back(at);
     const double s = std::clamp(at.barycentric[detail::at((exit + 2) % 3)], off_vertex, 1 - off_vertex);
     const Cplx turn = kernels::unit(geometry_.direction(g) + pi<double> - geometry_.direction(h));
@@ -112,7 +113,7 @@ bool Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector
     at = on_halfedge(g, 1 - s);
     entry = (g + 2) % 3;
   }
-  return false;
+  return Straight::lost;
 }
 
 Eigen::RowVector3d Flow::position(Index t, const Barycentric& b) const { return detail::position(mesh_, V_, {t, b}); }

@@ -100,6 +100,9 @@ struct FaceChart {
   return b;
 }
 
+/// How a straight way ends.
+enum class Straight { there, boundary, lost };
+
 /// A field on its surface, with what tracing needs to know of the whole. Refers to both. Checks its arguments: throws
 /// OptionError.
 class Flow {
@@ -124,11 +127,11 @@ class Flow {
     return k == none ? nullptr : &zeros_[detail::at(k)];
   }
 
-  /// Straight on over the surface from p, `length` in the direction of the unit number w in the face of p. False when
-  /// a boundary is in the way. `crossed` receives p, the points on edges, and the end, each in the face before it;
-  /// `turned` times a direction at p is that direction at the end, carried by unfolding.
-  [[nodiscard]] bool straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
-                                 Cplx& turned) const;
+  /// Straight on over the surface from p, `length` in the direction of the unit number w in the face of p, unless a
+  /// boundary is in the way or there are too many faces. `crossed` receives p, the points on edges, and the end, each
+  /// in the face before it; `turned` times a direction at p is that direction at the end, carried by unfolding.
+  [[nodiscard]] Straight straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
+                                     Cplx& turned) const;
 
   [[nodiscard]] Eigen::RowVector3d position(Index t, const Barycentric& b) const;
   /// A direction of a face in space, of length about 1.

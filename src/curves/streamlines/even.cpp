@@ -8,9 +8,11 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/curves/streamlines/curves.h"
 #include "src/curves/streamlines/grid.h"
@@ -39,6 +41,7 @@ struct Side {
   std::shared_ptr<const std::vector<Station>> stations;
   double turn;  // +1 left, -1 right
   std::size_t next = 0;
+  std::int64_t work = 0;  // edges crossed on the way to places beside the curve, since last counted
 };
 
 struct Seed {
@@ -63,16 +66,34 @@ class EvenlySpaced {
         families_(flow.n() % 2 == 0 ? flow.n() / 2 : flow.n()),
         same_family_(std::cos(pi<double> / (2 * families_)) - 1e-9),
         limits_(limits(flow, options)),
+        budget_(flow, options, samples_of(flow, options),
+                2 * options.max_length / (options.spacing * sample_step(options))),
         all_(spacing_),
         round_(spacing_) {
-    limits_.sample_step = samples_apart * closest_;
+    limits_.sample_step = sample_step(options) * spacing_;
     limits_.close_within = closing * closest_;
   }
 
-  std::vector<Curve> run() {
+  std::vector<Curve> run(bool& complete) {
+    trace_all();
+    complete = !budget_.used_up();
+    return std::move(curves_);
+  }
+
+ private:
+  /// Distance of the samples on curves, in spacings.
+  static double sample_step(const StreamlineOptions& options) { return samples_apart * options.separation; }
+  /// About as many as evenly spaced curves of all families have.
+  static double samples_of(const Flow& flow, const StreamlineOptions& options) {
+    const double spacing = options.spacing * flow.diagonal(), families = flow.n() % 2 == 0 ? flow.n() / 2.0 : flow.n();
+    return families * flow.geometry().total_area() / (options.separation * spacing * sample_step(options) * spacing);
+  }
+
+  void trace_all() {
     // Every so many-th face tries a seed in its middle: often enough to find every gap that a curve fits into.
     const double face_area = flow_.geometry().total_area() / flow_.mesh().faces();
-    const auto stride = static_cast<std::int64_t>(std::max(1.0, 0.2 * spacing_ * spacing_ / face_area));
+    const std::int64_t stride =
+        to_integer(0.2 * spacing_ * spacing_ / face_area, std::int64_t{1}, std::int64_t{flow_.mesh().faces()});
     const std::int64_t tries = (flow_.mesh().faces() + stride - 1) / stride * families_;
     constexpr std::int64_t block = 4096;
     for (std::int64_t first = 0; first < tries; first += block) {
@@ -88,14 +109,12 @@ class EvenlySpaced {
         if (!seed || !free(all_, seed->sample, seed_distance * spacing_)) continue;
         trace_and_accept({*seed});
         grow();
-        if (full()) return std::move(curves_);
+        if (full()) return;
       }
     }
-    return std::move(curves_);
   }
 
- private:
-  bool full() const { return static_cast<std::int64_t>(curves_.size()) >= options_.max_curves; }
+  bool full() const { return count_of(curves_) >= options_.max_curves || budget_.used_up(); }
 
   // ---- distances
 
@@ -132,7 +151,13 @@ class EvenlySpaced {
       const Station& s = (*side.stations)[side.next];
       std::vector<SurfacePoint> way;
       Cplx turned{1, 0};
-      if (!flow_.straight_on(s.point, side.turn * kernels::times_i(s.v), spacing_, way, turned)) continue;
+      const Straight there = flow_.straight_on(s.point, side.turn * kernels::times_i(s.v), spacing_, way, turned);
+      side.work += count_of(way);
+      if (side.work > limits_.work) {
+        side.next = side.stations->size();  // the faces here are so thin that there is no end to it
+        return std::nullopt;
+      }
+      if (there != Straight::there) continue;
       const FaceChart chart = flow_.chart(way.back().face);
       const Cplx u = chart.at(way.back().barycentric);
       if (!(modulus(u) > 0)) continue;
@@ -145,6 +170,7 @@ class EvenlySpaced {
   void grow() {
     while (!sides_.empty() && !full()) {
       const std::size_t count = std::min(round_size, sides_.size());
+      limits_.work = budget_.each_of(count_of(sides_));
       std::vector<std::optional<Seed>> found(count);
       parallel_for(
           static_cast<std::int64_t>(count), [&](std::int64_t k) { found[at(k)] = beside(sides_[at(k)]); }, 1);
@@ -153,6 +179,7 @@ class EvenlySpaced {
       SampleGrid taken(spacing_);
       std::deque<Side> left;
       for (std::size_t k = 0; k < count; ++k) {
+        budget_.spend(std::exchange(sides_[k].work, 0));
         if (!found[k]) continue;
         left.push_back(sides_[k]);
         if (!free(taken, found[k]->sample, spacing_)) continue;
@@ -185,7 +212,9 @@ class EvenlySpaced {
         return true;
       };
       Path path = trace_path(flow_, seed.point, sign < 0 ? -seed.v : seed.v, sign, limits_, guard);
-      if (refused) cut(path, stations.empty() ? 0 : stations.back().arc);
+      // What lies behind the last sample has not been compared with other curves.
+      if (refused) path.end = CurveEnd::separation;
+      if (refused || path.end == CurveEnd::budget) cut(path, stations.empty() ? 0 : stations.back().arc);
       return path;
     };
     draft.forward = half(1, draft.ahead);
@@ -205,13 +234,13 @@ class EvenlySpaced {
   /// Removes what lies behind the arc length.
   static void cut(Path& path, double arc) {
     while (path.points.size() > 1 && path.points.back().arc > arc * (1 + 1e-12)) path.points.pop_back();
-    path.end = CurveEnd::separation;
   }
   /// Cuts a half where a curve of this round is in the way.
   void cut_for_round(Path& path, std::vector<Station>& stations) const {
     for (std::size_t k = 0; k < stations.size(); ++k) {
       if (free(round_, stations[k].sample, closest_)) continue;
       cut(path, k == 0 ? 0 : stations[k - 1].arc);
+      path.end = CurveEnd::separation;
       stations.resize(k);
       return;
     }
@@ -219,10 +248,12 @@ class EvenlySpaced {
 
   void trace_and_accept(const std::vector<Seed>& seeds) {
     std::vector<Draft> drafts(seeds.size());
+    limits_.work = budget_.each_of(2 * count_of(seeds));
     parallel_for(
         static_cast<std::int64_t>(seeds.size()), [&](std::int64_t k) { drafts[at(k)] = trace(seeds[at(k)]); }, 1);
     round_.clear();
-    for (std::size_t k = 0; k < drafts.size() && !full(); ++k) {
+    for (const Draft& d : drafts) budget_.spend(d.forward.work + d.backward.work);
+    for (std::size_t k = 0; k < drafts.size() && count_of(curves_) < options_.max_curves; ++k) {
       Draft& d = drafts[k];
       if (!free(round_, seeds[k].sample, seed_distance * spacing_)) continue;
       cut_for_round(d.forward, d.ahead);
@@ -250,6 +281,7 @@ class EvenlySpaced {
   int families_;
   double same_family_;
   PathLimits limits_;
+  CurveBudget budget_;
   SampleGrid all_, round_;
   std::deque<Side> sides_;
   std::vector<Curve> curves_;
@@ -265,7 +297,10 @@ CurveSet streamlines(const ConnectedSurface& surface, const Field& field, const 
   return controlled(options.control, [&] {
     detail::report_phase("curves");
     const detail::Flow flow(surface, field);
-    return detail::collect(flow, detail::EvenlySpaced(flow, options).run());
+    bool complete = true;
+    CurveSet set = detail::collect(flow, detail::EvenlySpaced(flow, options).run(complete));
+    set.complete = set.complete && complete;
+    return set;
   });
 }
 

@@ -9,6 +9,7 @@
 
 #include "alcap/conventions.h"
 #include "src/base/array.h"
+#include "src/base/numbers.h"
 
 namespace alcap::detail {
 
@@ -58,7 +59,11 @@ class SampleGrid {
     std::int64_t head = -1;  // of the list of the cell's samples; none: a free slot
   };
 
-  [[nodiscard]] std::int64_t cell_of(double x) const { return static_cast<std::int64_t>(std::floor(x / cell_)); }
+  // Places beyond the range share a cell.
+  [[nodiscard]] std::int64_t cell_of(double x) const {
+    constexpr std::int64_t most = std::int64_t{1} << 52;
+    return to_integer(std::floor(x / cell_), -most, most);
+  }
   // 21 bits for each coordinate; cells that share a key are only a little slower.
   [[nodiscard]] static std::uint64_t key(std::int64_t i, std::int64_t j, std::int64_t k) {
     constexpr std::uint64_t mask = (1U << 21) - 1;

@@ -48,6 +48,7 @@ class Tracer {
     } else {
       path_.end = CurveEnd::singularity;
     }
+    path_.work = work_;
     return std::move(path_);
   }
 
@@ -56,7 +57,6 @@ class Tracer {
     double arc = 0;
     int crossings = 0;
     for (bool on = true; on;) {
-      check_cancelled();
       const std::optional<Index> opposite = traverse();
       on = opposite && leave(*opposite);
       if (arc_ > arc + smallest_step * flow_.mean_edge()) {
@@ -68,6 +68,11 @@ class Tracer {
     }
   }
 
+  /// Counts a step; false when there have been too many.
+  bool may_work() {
+    check_cancelled_at(work_);
+    return ++work_ <= limits_.work;
+  }
   bool end(CurveEnd reason) {
     path_.end = reason;
     return false;
@@ -93,6 +98,10 @@ class Tracer {
   /// To the next edge; the corner opposite to it, or nothing when the curve has ended.
   std::optional<Index> traverse() {
     for (;;) {
+      if (!may_work()) {
+        end(CurveEnd::budget);
+        return std::nullopt;
+      }
       Index exit = none;
       double ahead = std::numeric_limits<double>::infinity();  // straight on, to the edge
       for (Index c = 0; c < 3; ++c)
@@ -301,6 +310,7 @@ class Tracer {
     const double length = flow_.geometry().length(mesh_.edge(g));
     const FaceChart other = flow_.chart(Mesh::face(h), sign_);
     for (double stride = 1.0 / 1024;; stride = std::min(2 * stride, 1.0 / 16)) {
+      if (!may_work()) return end(CurveEnd::budget);
       const double to = to_tip ? std::min(s + stride, 1.0) : std::max(s - stride, 0.0);
       arc_ += std::abs(to - s) * length;
       s = to;
@@ -363,6 +373,7 @@ class Tracer {
   Barycentric b_{};
   Cplx v_{1, 0}, seed_{0, 0}, seed_v_{1, 0};
   double arc_ = 0, next_sample_ = 0, trial_ = 0, last_bit_ = 0;
+  std::int64_t work_ = 0;
   std::unordered_map<Index, std::vector<Crossed>> crossings_;
 };
 

@@ -22,6 +22,7 @@ struct PathPoint {
 struct Path {
   std::vector<PathPoint> points;  ///< the start first, at least this
   CurveEnd end = CurveEnd::stuck;
+  std::int64_t work = 0;  ///< steps of the integration and crossings of edges that it took
   [[nodiscard]] double length() const { return points.back().arc; }
 };
 
@@ -32,6 +33,7 @@ struct PathLimits {
   double zero_radius = 0;   ///< the curve ends this close to a zero
   double sample_step = 0;   ///< how often the guard is asked; 0: never
   double close_within = 0;  ///< a curve that passes its start at less than this, with its direction, ends there
+  std::int64_t work = 0;    ///< at most so many steps and crossings, as Path::work counts them
 };
 
 /// Asked at the start, and then every sample_step: may the curve go on to here?

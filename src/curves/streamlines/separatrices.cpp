@@ -46,21 +46,46 @@ std::vector<double> outward_angles(const FaceChart& chart, int n, const Singular
   return angles;
 }
 
-Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi, int sign, const PathLimits& limits) {
+Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi, int sign, const PathLimits& limits,
+            std::int64_t& work) {
   Curve curve;
   curve.start = CurveEnd::singularity;
   std::vector<SurfacePoint> way;
   Cplx turned{1, 0};
-  if (!flow.straight_on({zero.face, zero.barycentric}, kernels::unit(phi), radius, way, turned)) {
+  const Straight first = flow.straight_on({zero.face, zero.barycentric}, kernels::unit(phi), radius, way, turned);
+  work += count_of(way);
+  if (first != Straight::there) {
     curve.points = way;
-    curve.end = CurveEnd::boundary;
+    curve.end = first == Straight::boundary ? CurveEnd::boundary : CurveEnd::budget;
     return curve;
   }
   const Path path = trace_path(flow, way.back(), kernels::unit(phi) * turned, sign, limits);
+  work += path.work;
   curve.points = way;
   for (std::size_t k = 1; k < path.points.size(); ++k) curve.points.push_back({path.points[k].face, path.points[k].b});
   curve.end = path.end;
   return curve;
+}
+
+/// What leaves one singularity, and the work of it.
+struct Leaving {
+  std::vector<Curve> curves;
+  std::int64_t work = 0;
+};
+
+Leaving leave_all(const Flow& flow, const Singularity& zero, const PathLimits& limits) {
+  Leaving out;
+  if (!zero.located || zero.index == flow.n()) return out;
+  const double radius = start_radius * limits.zero_radius;
+  for (const int sign : {1, -1}) {
+    if (sign < 0 && flow.n() % 2 == 0) break;  // the opposite of a branch is one
+    const FaceChart chart = flow.chart(zero.face, sign);
+    for (const double phi : outward_angles(chart, flow.n(), zero, radius)) {
+      if (out.work > limits.work * (flow.n() + 1)) return out;
+      out.curves.push_back(leave(flow, zero, radius, phi, sign, limits, out.work));
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -76,25 +101,27 @@ CurveSet separatrices(const ConnectedSurface& surface, const Field& field, std::
     for (std::size_t k = 0; k < singularities.size(); ++k)
       if (singularities[k].face < 0 || singularities[k].face >= surface.mesh().faces())
         throw OptionError("singularities[" + std::to_string(k) + "]", singularities[k].face, "there is no such face");
-    std::vector<std::vector<detail::Curve>> found(singularities.size());
-    parallel_for(
-        static_cast<std::int64_t>(singularities.size()),
-        [&](std::int64_t i) {
-          const Singularity& zero = singularities[detail::at(i)];
-          if (!zero.located || zero.index == field.n) return;
-          const double radius = detail::start_radius * limits.zero_radius;
-          for (const int sign : {1, -1}) {
-            if (sign < 0 && field.n % 2 == 0) break;  // the opposite of a branch is one
-            const detail::FaceChart chart = flow.chart(zero.face, sign);
-            for (const double phi : detail::outward_angles(chart, field.n, zero, radius))
-              found[detail::at(i)].push_back(detail::leave(flow, zero, radius, phi, sign, limits));
-          }
-        },
-        1);
+    detail::CurveBudget budget(
+        flow, options, detail::usual_work(flow, options) * double(field.n + 1) * double(singularities.size()), 0);
     std::vector<detail::Curve> curves;
-    for (auto& from : found)
-      for (auto& curve : from) curves.push_back(std::move(curve));
-    return detail::collect(flow, curves);
+    // What a block may cost depends on what the blocks before it have cost, whatever the number of threads.
+    constexpr std::size_t block = 16;
+    for (std::size_t first = 0; first < singularities.size() && !budget.used_up(); first += block) {
+      const auto some = singularities.subspan(first, std::min(block, singularities.size() - first));
+      std::vector<detail::Leaving> found(some.size());
+      detail::PathLimits within = limits;
+      within.work = budget.each_of(detail::count_of(some) * (field.n + 1));
+      parallel_for(
+          detail::count_of(some),
+          [&](std::int64_t k) { found[detail::at(k)] = detail::leave_all(flow, some[detail::at(k)], within); }, 1);
+      for (detail::Leaving& from : found) {
+        budget.spend(from.work);
+        for (detail::Curve& curve : from.curves) curves.push_back(std::move(curve));
+      }
+    }
+    CurveSet set = detail::collect(flow, curves);
+    set.complete = set.complete && !budget.used_up();
+    return set;
   });
 }
 

@@ -8,6 +8,7 @@
 
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/curves/streamlines/curves.h"
 
@@ -24,12 +25,29 @@ void check(const StreamlineOptions& o) {
   if (!(o.singularity_radius >= 1e-6 && o.singularity_radius <= 1))
     bad("singularity_radius", o.singularity_radius, "must be in [1e-6, 1] mean edge lengths");
   if (o.max_curves < 1) throw OptionError("max_curves", o.max_curves, "must be at least 1");
+  if (o.max_points < 0)
+    throw OptionError("max_points", o.max_points, "must be at least 1, or 0 for a part of the mesh");
 }
 
 PathLimits limits(const Flow& flow, const StreamlineOptions& options) {
   return {.length = options.max_length * flow.diagonal(),
           .tolerance = options.tolerance,
           .zero_radius = options.singularity_radius * flow.mean_edge()};
+}
+
+CurveBudget::CurveBudget(const Flow& flow, const StreamlineOptions& options, double all_samples, double samples) {
+  constexpr std::int64_t most = std::int64_t{1} << 60;
+  const double faces = flow.mesh().faces(), families = flow.n() % 2 == 0 ? flow.n() / 2.0 : flow.n();
+  // Errors of steps are of fifth order; at 1e-6 a face takes two or three steps.
+  const double finer = std::max(1.0, std::sqrt(std::sqrt(1e-6 / options.tolerance)));
+  // Evenly spaced curves cross a face about once a family. A curve crosses some edges on every edge length of its way,
+  // and on strips of long faces all of them.
+  const double all = finer * (1e5 + 32 * faces * families + 8 * all_samples);
+  const double one = finer * (4096 + 4 * faces + 64 * options.max_length * flow.diagonal() / flow.mean_edge());
+  least_ = to_integer(finer * (4096 + 4 * samples), std::int64_t{1}, most);
+  curve_ = to_integer(one + 4 * finer * samples, least_, most);
+  left_ =
+      options.max_points > 0 ? options.max_points : to_integer(std::min(2e7 + 2 * faces, all), std::int64_t{1}, most);
 }
 
 Curve join(const Path& forward, const Path& backward) {
@@ -57,6 +75,10 @@ CurveSet collect(const Flow& flow, const std::vector<Curve>& curves) {
     set.end_reason.push_back(c.end);
   }
   const std::int64_t total = set.offsets.back();
+  const auto cut = [](const std::vector<CurveEnd>& ends) {
+    return std::find(ends.begin(), ends.end(), CurveEnd::budget) != ends.end();
+  };
+  set.complete = !cut(set.start_reason) && !cut(set.end_reason);
   set.points.resize(total, 3);
   set.barycentric.resize(total, 3);
   set.faces.resize(detail::at(total));
@@ -123,7 +145,31 @@ void CurveSet::append(const CurveSet& other) {
   faces.insert(faces.end(), other.faces.begin(), other.faces.end());
   start_reason.insert(start_reason.end(), other.start_reason.begin(), other.start_reason.end());
   end_reason.insert(end_reason.end(), other.end_reason.begin(), other.end_reason.end());
+  complete = complete && other.complete;
 }
+
+namespace {
+
+detail::Curve trace_seed(const detail::Flow& flow, const SurfacePoint& start, double angle, CurveSides sides,
+                         const detail::PathLimits& limits, std::int64_t& work) {
+  const detail::FaceChart chart = flow.chart(start.face);
+  const detail::Cplx v = detail::RootNear(kernels::unit(angle), flow.n()).nearest(chart.at(start.barycentric));
+  const auto trace = [&](int sign) {
+    detail::Path path = detail::trace_path(flow, start, sign < 0 ? -v : v, sign, limits);
+    work += path.work;
+    return path;
+  };
+  detail::Path forward, backward;
+  if (sides != CurveSides::backward) forward = trace(1);
+  if (sides != CurveSides::forward && forward.end != CurveEnd::loop) backward = trace(-1);
+  if (sides == CurveSides::backward) {
+    forward.points = {backward.points.front()};
+    forward.end = backward.end == CurveEnd::loop ? CurveEnd::loop : CurveEnd::seed;
+  }
+  return detail::join(forward, backward);
+}
+
+}  // namespace
 
 CurveSet trace_curves(const ConnectedSurface& surface, const Field& field, std::span<const CurveSeed> seeds,
                       const StreamlineOptions& options) {
@@ -138,27 +184,24 @@ CurveSet trace_curves(const ConnectedSurface& surface, const Field& field, std::
       if (!std::isfinite(seeds[k].angle))
         throw OptionError("seeds[" + std::to_string(k) + "].angle", seeds[k].angle, "must be finite");
     }
+    detail::CurveBudget budget(flow, options, detail::usual_work(flow, options) * double(seeds.size()), 0);
     std::vector<detail::Curve> curves(seeds.size());
-    parallel_for(
-        static_cast<std::int64_t>(seeds.size()),
-        [&](std::int64_t i) {
-          const auto k = detail::at(i);
-          const detail::FaceChart chart = flow.chart(starts[k].face);
-          const detail::Cplx v =
-              detail::RootNear(kernels::unit(seeds[k].angle), field.n).nearest(chart.at(starts[k].barycentric));
-          const auto trace = [&](int sign) {
-            return detail::trace_path(flow, starts[k], sign < 0 ? -v : v, sign, limits);
-          };
-          detail::Path forward, backward;
-          if (options.sides != CurveSides::backward) forward = trace(1);
-          if (options.sides != CurveSides::forward && forward.end != CurveEnd::loop) backward = trace(-1);
-          if (options.sides == CurveSides::backward) {
-            forward.points = {backward.points.front()};
-            forward.end = backward.end == CurveEnd::loop ? CurveEnd::loop : CurveEnd::seed;
-          }
-          curves[k] = detail::join(forward, backward);
-        },
-        1);
+    std::vector<std::int64_t> work(seeds.size());
+    const auto trace = [&](std::size_t k, std::int64_t most) {
+      detail::PathLimits within = limits;
+      within.work = most;
+      curves[k] = trace_seed(flow, starts[k], seeds[k].angle, options.sides, within, work[k]);
+    };
+    // What a block may cost depends on what the blocks before it have cost, whatever the number of threads.
+    constexpr std::size_t block = 32;
+    for (std::size_t first = 0; first < seeds.size(); first += block) {
+      const std::size_t end = std::min(first + block, seeds.size());
+      const std::int64_t most =
+          budget.used_up() ? 0 : budget.each_of(2 * detail::count_of(seeds.subspan(first, end - first)));
+      parallel_for(
+          static_cast<std::int64_t>(end - first), [&](std::int64_t k) { trace(first + detail::at(k), most); }, 1);
+      for (std::size_t k = first; k < end; ++k) budget.spend(work[k]);
+    }
     return detail::collect(flow, curves);
   });
 }

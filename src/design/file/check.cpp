@@ -144,7 +144,8 @@ void check(const DesignGuidance& g, int n) {
   if (g.source == Source::none) return;
   check_positive("/guidance/weight", g.weight);
   if (g.source == Source::file && g.file.empty()) throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
-  if ((g.source == Source::curvature && n % 2 != 0) || (g.source == Source::least_curvature && n != 2))
+  if (((g.source == Source::curvature || g.source == Source::strongest_curvature) && n % 2 != 0) ||
+      (g.source == Source::least_curvature && n != 2))
     throw Problem{"/guidance/field", "\"" + std::string(name(g.source)) + "\"",
                   g.source == Source::curvature
                       ? "principal directions are lines: n must be even, and here it is " + std::to_string(n)

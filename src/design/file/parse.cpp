@@ -7,14 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "alcap/errors.h"
+#include "src/base/input_file.h"
 #include "src/design/file/problem.h"
 
 namespace alcap {
@@ -23,8 +22,8 @@ namespace {
 using Json = nlohmann::json;
 using detail::Problem;
 
-constexpr int deepest = 16;                                  // a design nests four levels
-constexpr std::uintmax_t largest = std::uintmax_t{1} << 28;  // bytes; a design of a million stroke points is smaller
+constexpr int deepest = 16;                              // a design nests four levels
+constexpr std::int64_t largest = std::int64_t{1} << 28;  // bytes; a design of a million stroke points is smaller
 
 std::string shortened(const Json& json) {
   if (json.is_object()) return "an object";
@@ -304,7 +303,7 @@ DesignGuidance read_guidance(const Node& node, const std::filesystem::path& fold
   if (field.has_value() == file.has_value()) node.fail("needs either field or file");
   if (field) {
     using enum DesignGuidance::Source;
-    g.source = pick(*field, named({smoothest, curvature, least_curvature, zero}));
+    g.source = pick(*field, named({smoothest, curvature, least_curvature, strongest_curvature, zero}));
   } else {
     g.source = DesignGuidance::Source::file;
     const std::string text = file->text();
@@ -408,16 +407,10 @@ Json parse_json(std::string_view text, const std::string& name) {
 
 /// The text of a file, and its name for messages.
 std::string read_text(const std::filesystem::path& path) {
-  const std::string name = path.string();
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw FileError(name + ": is a folder, not a design", name);
-  if (const auto size = std::filesystem::file_size(path, error); !error && size > largest)
-    throw FileError(name + ": is too large for a design", name);
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf()))
-    throw FileError(name + ": cannot be read, or is empty; give a design file (docs/design.md)", name);
-  return std::move(text).str();
+  const detail::InputFile file(path, {.what = "design file", .largest = largest});
+  if (file.bytes().empty())
+    throw FileError(path.string() + ": is empty; give a design file (docs/design.md)", path.string());
+  return std::string(file.bytes());
 }
 
 }  // namespace

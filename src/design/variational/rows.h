@@ -13,7 +13,8 @@
 
 namespace alcap::detail {
 
-/// Weight per length of a stroke of weight 1, times sqrt(area) of the surface: the same on every mesh and in every unit.
+/// Weight per length of a stroke of weight 1, times sqrt(area) of the surface: the same on every mesh and in every
+/// unit.
 inline constexpr double stroke_scale = 40;
 
 /// sum_k coefficient_k u[vertex_k] = target: softly (weight |.|^2 in twice the energy), or exactly (weight 0).

@@ -76,8 +76,9 @@ struct Designer::State {
   bool soft_changed = false;  // strokes have changed since A was made
   bool stale = false;         // A is not what is factorised
   // Without guidance and rows A would have a kernel of parallel fields. All rows are in it then: exact ones with a
-  // weight that their update makes irrelevant. Pieces that no row touches are drawn towards zero.
+  // weight that their update makes irrelevant. Components with such fields that no row touches are drawn towards zero.
   bool singular = false;
+  std::vector<char> parallel;  // per component, when singular: whether it has parallel fields
   MatrixX<C> common;  // A^-1 of everything but live targets; no columns: unknown
 
   // The system: system.cpp.
@@ -108,6 +109,10 @@ struct Designer::State {
   void factorise();
   // What `singular` says.
   void hold_kernel();
+  // Sets `parallel`: by inverse iteration with a little of the mass everywhere, so that every component has a factor.
+  void find_parallel();
+  // Throws OptionError when targets alone are to determine a field where parallel fields can be added freely.
+  void check_determined() const;
   [[nodiscard]] double anchor() const;
   // Inverse iteration finds the energy of the smoothest field well enough to tell nothing from something.
   [[nodiscard]] bool is_singular() const;

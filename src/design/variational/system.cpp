@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "src/base/array.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/design/variational/state.h"
+#include "src/field/component_blocks.h"
 
 namespace alcap {
 namespace {
@@ -16,7 +18,9 @@ using C = Complex<double>;
 using detail::ControlRow;
 
 // A field whose energy is this small, relative to its size, in units of 1/area, is parallel.
-constexpr double parallel = 1e-6;
+constexpr double parallel_energy = 1e-6;
+// Of the guidance weight's unit: what is added of the mass to tell which components have parallel fields.
+constexpr double lift = 1e-8;
 // Weight of guidance towards zero where directions alone are held among parallel fields: it picks their length.
 constexpr double free_length = 1e-6;
 // Columns solved for at once, and between two looks at whether to go on.
@@ -131,7 +135,7 @@ void Designer::State::hold_kernel() {
     }
   for (Index v = 0; v < mesh.vertices(); ++v) {
     const Index c = surface.topology().vertex_component[static_cast<std::size_t>(v)];
-    if (c == none || touched[static_cast<std::size_t>(c)] == 2) continue;
+    if (c == none || touched[static_cast<std::size_t>(c)] == 2 || parallel[static_cast<std::size_t>(c)] == 0) continue;
     const double w = unit() * (touched[static_cast<std::size_t>(c)] == 1 ? free_length : 1);
     for (Index k = A.outerIndexPtr()[v]; k < A.outerIndexPtr()[v + 1]; ++k) A.valuePtr()[k] += w * M.valuePtr()[k];
   }
@@ -159,6 +163,7 @@ void Designer::State::factorise() {
     singular = true;
   }
   stale = bare && singular;
+  if (stale) find_parallel();
 }
 
 bool Designer::State::is_singular() const {
@@ -171,7 +176,60 @@ bool Designer::State::is_singular() const {
     (void)solver->solve(Mx, x);
     energy = 1 / std::sqrt(std::max(0.0, x.col(0).dot(M * x.col(0)).real()));
   }
-  return !(energy * geometry.total_area() > parallel);
+  return !(energy * geometry.total_area() > parallel_energy);
+}
+
+void Designer::State::find_parallel() {
+  const Topology& topology = surface.topology();
+  parallel.assign(topology.components.size(), 1);
+  if (parallel.size() == 1) return;
+  SparseMatrix<C> lifted = S2;
+  for (Index k = 0; k < lifted.nonZeros(); ++k) lifted.valuePtr()[k] += lift * unit() * M.valuePtr()[k];
+  const auto probe = make_linear_solver<C>({.name = options.solver, .right_hand_sides = probes});
+  probe->set_transport(M);
+  probe->analyse(lifted);
+  probe->factorise(lifted);
+  const auto count = static_cast<Eigen::Index>(parallel.size());
+  // Per component: x' M x.
+  const auto sizes = [&](const MatrixX<C>& x) {
+    MatrixX<C> Mx(mesh.vertices(), 1);
+    hermitian_product(M, x.data(), Mx.data());
+    VectorX<double> sum = VectorX<double>::Zero(count);
+    for (Index v = 0; v < mesh.vertices(); ++v)
+      if (const Index c = topology.vertex_component[detail::at(v)]; c != none)
+        sum[c] += (std::conj(x(v, 0)) * Mx(v, 0)).real();
+    return sum;
+  };
+  MatrixX<C> x = MatrixX<C>::Ones(mesh.vertices(), 1), Mx(mesh.vertices(), 1);
+  VectorX<double> energy(count);
+  for (int round = 0; round < probes; ++round) {
+    const VectorX<double> size = sizes(x).cwiseSqrt();
+    hermitian_product(M, x.data(), Mx.data());
+    for (Index v = 0; v < mesh.vertices(); ++v)
+      if (const Index c = topology.vertex_component[detail::at(v)]; c != none) Mx(v, 0) /= size[c];
+    (void)probe->solve(Mx, x);
+    energy = sizes(x).cwiseMax(0.0).cwiseSqrt().cwiseInverse();
+  }
+  const std::vector<double> areas = detail::areas_of_components(geometry, topology);
+  for (std::size_t c = 0; c < parallel.size(); ++c) {
+    const double own = energy[static_cast<Eigen::Index>(c)] - lift * unit();
+    parallel[c] = own * areas[c] > parallel_energy ? 0 : 1;  // also where nothing can be told
+  }
+}
+
+void Designer::State::check_determined() const {
+  const Topology& topology = surface.topology();
+  std::vector<char> asked(parallel.size(), 0), held(parallel.size(), 0);
+  for (const auto& [id, p] : prepared) {
+    for (const auto& part : p.load.parts) asked[detail::at(topology.face_component[detail::at(part.face)])] = 1;
+    for (const ControlRow& row : p.load.rows) held[detail::at(topology.vertex_component[detail::at(row.vertex[0])])] = 1;
+  }
+  for (std::size_t c = 0; c < parallel.size(); ++c)
+    if (parallel[c] != 0 && asked[c] != 0 && held[c] == 0)
+      throw OptionError("guidance_weight", options.guidance_weight,
+                        "the design's system is singular on component " + std::to_string(c) +
+                            ": this connection has parallel fields (flat or trivial), so targets alone do not determine "
+                            "one; give a guidance weight, or hold the field there");
 }
 
 void Designer::State::make_guidance() {
@@ -183,11 +241,7 @@ void Designer::State::make_guidance() {
 }
 
 void Designer::State::choose_folding() {
-  const auto has_rows = [](const auto& entry) { return !entry.second.load.rows.empty(); };
-  if (singular && std::none_of(prepared.begin(), prepared.end(), has_rows))
-    throw OptionError("guidance_weight", options.guidance_weight,
-                      "the design's system is singular: this connection has parallel fields (flat or trivial), so "
-                      "targets alone do not determine one; give a guidance weight, or hold the field somewhere");
+  if (singular) check_determined();
   if (singular && !folded) soft_changed = true;
   if (!soft_changed) return;
   std::size_t soft = 0;

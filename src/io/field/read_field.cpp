@@ -8,9 +8,10 @@
 
 #include "alcap/mesh_io.h"
 #include "src/base/bytes.h"
+#include "src/base/input_file.h"
 #include "src/base/parallel.h"
 #include "src/io/field/format.h"
-#include "src/io/mesh/mapped_file.h"
+#include "src/io/mesh/format.h"
 #include "src/io/mesh/ply_header.h"
 
 namespace alcap {
@@ -124,7 +125,7 @@ Columns find_columns(const Source& source, const PlyElement& vertex) {
   return columns;
 }
 
-FieldFile read(const Source& source, const std::filesystem::path& file) {
+FieldFile read(const Source& source) {
   const PlyHeader header = read_ply_header(source);
   const std::string_view text(source.begin(), static_cast<std::size_t>(header.body - source.begin()));
   FieldFile out;
@@ -139,7 +140,8 @@ FieldFile read(const Source& source, const std::filesystem::path& file) {
   }
   const Columns columns = find_columns(source, header.elements[0]);
 
-  MeshFile mesh = read_mesh(file, {.format = "ply"});  // also finds a file that was cut
+  MeshFile mesh = ply_format.read(source, {.format = "ply"});  // also finds a file that was cut
+  if (!mesh.remarks.empty()) fail(source, "not as write_field wrote it: " + mesh.remarks.front());
   out.V = std::move(mesh.V);
   out.F = std::move(mesh.F);
 
@@ -169,8 +171,9 @@ FieldFile read(const Source& source, const std::filesystem::path& file) {
 
 FieldFile read_field(const std::filesystem::path& file, const RunControl& control) {
   return controlled(control, [&] {
-    const detail::MappedFile mapped(file);
-    return detail::read({file.string(), mapped.bytes()}, file);
+    detail::report_phase("read");
+    const detail::InputFile input(file, {.what = "field file"});
+    return detail::read({file.string(), input.bytes()});
   });
 }
 

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "src/base/array.h"
+#include "src/base/numbers.h"
+#include "src/io/mesh/tokenizer.h"
 #include "src/io/mesh/triangulate.h"
 
 namespace alcap::detail {
@@ -54,8 +56,12 @@ void Builder::fail_index(std::int64_t v, std::int64_t face, const char* where) c
 }
 
 void Builder::polygon(std::span<const std::int64_t> corners, const char* where) {
-  if (corners.size() < 3) {
-    fail_at(source_, where, next_face() + " has " + std::to_string(corners.size()) + " corners; a face needs three");
+  if (corners.size() < 3) {  // keeps its number, and has no triangle
+    if (short_faces_++ == 0) {
+      first_short_ = next_face() + " has " + std::to_string(corners.size()) + " corners; a face needs three";
+      first_short_where_ = where;
+    }
+    corners = {};
   }
   if (corners.size() > 3 && options_.polygons == ReadOptions::Polygons::refuse) {
     fail_at(source_, where,
@@ -77,7 +83,7 @@ void Builder::polygon(std::span<const std::int64_t> corners, const char* where) 
 }
 
 void Builder::triangulate_all(MeshFile& mesh) const {
-  const std::size_t triangles = corners_.size() - 2 * starts_.size();
+  const std::size_t triangles = corners_.size() - 2 * (starts_.size() - at(short_faces_));
   if (triangles > at(most)) fail(source_, "more than 2147483647 triangles");
   mesh.F.resize(static_cast<Eigen::Index>(triangles), 3);
   mesh.polygon_of.resize(triangles);
@@ -87,6 +93,7 @@ void Builder::triangulate_all(MeshFile& mesh) const {
     check_cancelled_at(static_cast<std::int64_t>(f));
     const std::size_t stop = f + 1 < starts_.size() ? starts_[f + 1] : corners_.size();
     const std::span<const Index> corners(corners_.data() + starts_[f], stop - starts_[f]);
+    if (corners.empty()) continue;
     local.clear();
     if (!triangulate(mesh.V, corners, local)) {
       fail_at(source_, places_[f],
@@ -100,6 +107,30 @@ void Builder::triangulate_all(MeshFile& mesh) const {
       mesh.polygon_of[row] = static_cast<Index>(f);
     }
   }
+}
+
+// Vertices without a position that no face uses get one that is there already.
+void Builder::place_nowhere(MeshFile& mesh) {
+  if (nowhere_.empty()) return;
+  std::vector<bool> used(at(mesh.V.rows()), false);
+  for (Eigen::Index t = 0; t < mesh.F.rows(); ++t)
+    for (int c = 0; c < 3; ++c) used[at(mesh.F(t, c))] = true;
+  const Index somewhere = mesh.F(0, 0);
+  for (const auto& [v, where] : nowhere_) {
+    if (used[at(v)]) {
+      const std::string what = "coordinate of " + numbered("vertex", v);
+      if (source_.binary_from != nullptr && where >= source_.binary_from)
+        fail_at(source_, where, what + " is not a finite number (or not whole where it must be)");
+      Tokenizer in(source_, where);
+      double x = 0;
+      for (int c = 0; c < 3 && in.next_token() && in.real(x); ++c) {
+      }
+      in.fail_number(what);
+    }
+    mesh.V.row(v) = mesh.V.row(somewhere);
+  }
+  remarks_.push_back(counted(count_of(nowhere_), "vertex that no face uses has", "vertices that no face uses have") +
+                     " coordinates that are not finite; placed at vertex " + std::to_string(somewhere));
 }
 
 MeshFile Builder::finish(const char* format) {
@@ -118,6 +149,11 @@ MeshFile Builder::finish(const char* format) {
     F_.conservativeResize(faces_, 3);
     mesh.F = std::move(F_);
   }
+  if (mesh.F.rows() == 0) fail_at(source_, first_short_where_, first_short_);
+  if (short_faces_ > 0)
+    remarks_.push_back(counted(short_faces_, "face has", "faces have") + " fewer than three corners; left out");
+  place_nowhere(mesh);
+  mesh.remarks = std::move(remarks_);
   mesh.format = format;
   mesh.ignored = std::move(ignored_);
   mesh.bytes = static_cast<std::int64_t>(source_.bytes.size());

@@ -4,11 +4,13 @@
 // polygons, growth. Every format reader ends here, so all of them agree on what an acceptable mesh is.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "alcap/mesh_io.h"
@@ -29,8 +31,10 @@ class Builder {
   void reserve_vertices(std::int64_t count) { V_.resize(count, 3); }
   void reserve_faces(std::int64_t count) { F_.resize(count, 3); }
 
-  /// Adds a vertex; `x` holds three finite coordinates, read at `where`.
+  /// Adds a vertex; `x` holds three coordinates, read at `where`. Those that are not finite are an error if a face uses
+  /// the vertex.
   void vertex(const double* x, const char* where) {
+    if (!std::isfinite(x[0]) || !std::isfinite(x[1]) || !std::isfinite(x[2])) nowhere_.push_back({vertices_, where});
     tick(vertices_, where);
     if (vertices_ == V_.rows()) grow_vertices();
     double* row = V_.data() + 3 * vertices_++;
@@ -52,6 +56,9 @@ class Builder {
     if (step % check_every == 0 && step > 0) told(where);
   }
 
+  /// Adds a sentence to MeshFile::remarks.
+  void remark(std::string text) { remarks_.push_back(std::move(text)); }
+
   /// Counts something that is no surface.
   void ignore(std::string_view kind, std::int64_t count = 1);
 
@@ -72,7 +79,14 @@ class Builder {
     return static_cast<Index>(v);
   }
 
+  /// A vertex without a finite position, and where it was read.
+  struct Nowhere {
+    std::int64_t vertex;
+    const char* where;
+  };
+
   void told(const char* where) const;
+  void place_nowhere(MeshFile& mesh);
   void grow_vertices();
   void grow_faces();
   void polygon(std::span<const std::int64_t> corners, const char* where);
@@ -92,6 +106,11 @@ class Builder {
   std::vector<std::size_t> starts_;  // ... and where each face starts
   std::vector<const char*> places_;  // of the faces, for the same
   std::vector<MeshFile::Ignored> ignored_;
+  std::vector<Nowhere> nowhere_;
+  std::int64_t short_faces_ = 0;  // of fewer than three corners
+  std::string first_short_;       // what is wrong with the first of them, and where it is
+  const char* first_short_where_ = nullptr;
+  std::vector<std::string> remarks_;
 };
 
 }  // namespace alcap::detail

@@ -7,7 +7,7 @@
 
 #include "alcap/mesh_io.h"
 #include "src/base/cancel.h"
-#include "src/io/mesh/mapped_file.h"
+#include "src/base/input_file.h"
 
 namespace alcap {
 namespace {
@@ -80,8 +80,8 @@ VectorX<double> read(Numbers numbers, const Mesh& mesh) {
 
 VectorX<double> read_edge_lengths(const std::filesystem::path& file, const Mesh& mesh, const RunControl& control) {
   return controlled(control, [&] {
-    const detail::MappedFile mapped(file);
-    const auto bytes = mapped.bytes();
+    const detail::InputFile input(file, {.what = "file of lengths"});
+    const auto bytes = input.bytes();
     return read({file.string(), {bytes.data(), bytes.size()}}, mesh);
   });
 }

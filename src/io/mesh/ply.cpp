@@ -3,8 +3,11 @@
 // ply.cpp: Stanford PLY. Reads x y z of "vertex" and the list vertex_indices (or vertex_index) of "face"; any other
 // property or element, of any type and in any order, is stepped over.
 #include <array>
+#include <optional>
+#include <utility>
 
 #include "src/base/bytes.h"
+#include "src/base/numbers.h"
 #include "src/io/mesh/builder.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/ply_body.h"
@@ -22,8 +25,12 @@ bool recognise_ply(std::string_view bytes) {
 template <class Body>
 class Reader {
  public:
-  Reader(const Source& source, const PlyHeader& header, const ReadOptions& options)
-      : source_(source), header_(header), body_(source, header.body), mesh_(source, options) {}
+  Reader(const Source& source, const PlyHeader& header, const ReadOptions& options, bool free = false)
+      : source_(source), header_(header), body_(source, header.body, free), mesh_(source, options) {
+    free_ = free;
+    for (const std::string& remark : header.remarks) mesh_.remark(remark);
+    if (free) mesh_.remark("elements are not on lines of their own; read number by number");
+  }
 
   MeshFile run() {
     for (const auto& element : header_.elements) {
@@ -38,8 +45,13 @@ class Reader {
         read_other(element);
       }
     }
-    if (!body_.at_end())
-      fail_at(source_, body_.where(), "there is more behind the last element that the header announces");
+    if (!body_.at_end()) {
+      // Less than one more element of the kind that comes last: nothing is missing.
+      const std::int64_t behind = source_.end() - body_.where();
+      if (source_.binary_from == nullptr || behind >= 4)
+        fail_at(source_, body_.where(), "there is more behind the last element that the header announces");
+      mesh_.remark(counted(behind, "byte", "bytes") + " behind the data; left out");
+    }
     return mesh_.finish("ply");
   }
 
@@ -67,6 +79,7 @@ class Reader {
     for (std::int64_t v = 0; v < element.count; ++v) {
       double x[3] = {};
       body_.begin();
+      const char* const where = body_.where();
       for (std::size_t i = 0; i < slots.size(); ++i) {
         const auto& p = element.properties[i];
         if (slots[i] < 0) {
@@ -76,7 +89,7 @@ class Reader {
         }
       }
       body_.end_of(element);
-      mesh_.vertex(x, body_.where());
+      mesh_.vertex(x, where);
     }
   }
 
@@ -105,7 +118,8 @@ class Reader {
     where_ = body_.where();
     std::int64_t count = 0;
     if (!body_.integer(p.count_type, count)) body_.fail("number of corners of " + mesh_.next_face());
-    if (count < 0 || count > longest_list || count > (source_.end() - where_) / body_.least_bytes(p.type)) {
+    if (count < (free_ ? 3 : 0) || count > longest_list ||
+        count > (source_.end() - where_) / body_.least_bytes(p.type)) {
       fail_at(source_, where_,
               mesh_.next_face() + " has " + std::to_string(count) + " corners; the file is damaged or cut");
     }
@@ -132,6 +146,7 @@ class Reader {
   const PlyHeader& header_;
   Body body_;
   Builder mesh_;
+  bool free_ = false;
   std::vector<std::int64_t> corners_;
   const char* where_ = nullptr;
 };
@@ -139,7 +154,20 @@ class Reader {
 MeshFile read_ply(const Source& given, const ReadOptions& options) {
   Source source = given;  // remembers where the binary part begins
   const PlyHeader header = read_ply_header(source);
-  if (header.encoding == PlyEncoding::ascii) return Reader<PlyText>(source, header, options).run();
+  if (header.encoding == PlyEncoding::ascii) {
+    try {
+      return Reader<PlyText>(source, header, options).run();
+    } catch (const FileError&) {
+      // Perhaps lists are wrapped. Then every number must have its place, to the last one.
+      std::optional<MeshFile> free;
+      try {
+        free = Reader<PlyText>(source, header, options, true).run();
+      } catch (const FileError&) {  // no: what was wrong by lines is what is wrong
+      }
+      if (!free) throw;
+      return std::move(*free);
+    }
+  }
   source.binary_from = header.body;
   if (header.encoding == PlyEncoding::little_endian) {
     return Reader<PlyBinary<std::endian::little>>(source, header, options).run();

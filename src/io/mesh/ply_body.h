@@ -2,7 +2,7 @@
 //
 // ply_body.h: the values behind a PLY header, one class per encoding with the same interface:
 //   begin(e)           before an element            end_of(e)     after it
-//   real(type, x)      next value as a double; false when there is none or it is not finite
+//   real(type, x)      next value as a double, NaN and infinities too; false when there is none
 //   integer(type, i)   next value as a whole number; false when there is none or it is not whole
 //   skip(type, n)      n values unseen; false when they are not there
 //   fail(what)         says what is wrong where `what` was wanted
@@ -19,10 +19,10 @@
 
 namespace alcap::detail {
 
-/// Text: one element per line.
+/// Text: one element per line. Free: line ends mean nothing.
 class PlyText {
  public:
-  PlyText(const Source& source, const char* body) : in_(source, body) {}
+  PlyText(const Source& source, const char* body, bool free = false) : in_(source, body), free_(free) {}
 
   /// The least bytes a value takes: a digit and a blank.
   static constexpr std::int64_t least_bytes(PlyType) { return 2; }
@@ -30,14 +30,22 @@ class PlyText {
   [[nodiscard]] const char* where() const { return in_.where(); }
   void begin() { in_.next_token(); }
   void end_of(const PlyElement& element) {
-    if (!in_.at_line_end()) {
+    if (!free_ && !in_.at_line_end()) {
       in_.fail("more values on the line than element " + quoted(element.name) + " has properties");
     }
   }
-  [[nodiscard]] bool real(PlyType, double& x) { return in_.real(x); }
-  [[nodiscard]] bool integer(PlyType, std::int64_t& i) { return in_.integer(i); }
+  /// NaN where the file says so.
+  [[nodiscard]] bool real(PlyType, double& x) {
+    if (free_) in_.next_token();
+    return in_.real_or_nan(x);
+  }
+  [[nodiscard]] bool integer(PlyType, std::int64_t& i) {
+    if (free_) in_.next_token();
+    return in_.integer(i);
+  }
   [[nodiscard]] bool skip(PlyType, std::int64_t count) {
     for (; count > 0; --count) {
+      if (free_) in_.next_token();
       if (in_.word().empty()) return false;
     }
     return true;
@@ -47,12 +55,14 @@ class PlyText {
 
  private:
   Tokenizer in_;
+  bool free_;
 };
 
 template <std::endian order>
 class PlyBinary {
  public:
-  PlyBinary(const Source& source, const char* body) : source_(source), p_(body), end_(source.end()) {}
+  PlyBinary(const Source& source, const char* body, bool /*free*/ = false)
+      : source_(source), p_(body), end_(source.end()) {}
 
   static constexpr std::int64_t least_bytes(PlyType type) { return static_cast<std::int64_t>(size_of(type)); }
 
@@ -62,7 +72,7 @@ class PlyBinary {
   [[nodiscard]] bool real(PlyType type, double& x) {
     return with(type, [&](auto value) {
       x = static_cast<double>(value);
-      return std::isfinite(x);
+      return true;
     });
   }
   [[nodiscard]] bool integer(PlyType type, std::int64_t& i) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
+#include <unordered_set>
 
 #include "src/io/mesh/tokenizer.h"
 
@@ -37,16 +39,25 @@ void read_format(Tokenizer& in, PlyHeader& header) {
   if (version != "1.0") in.fail("PLY version " + quoted(version) + "; only 1.0 is known");
 }
 
-void read_element(Tokenizer& in, PlyHeader& header) {
+// No scanner writes so many; a row of so many numbers would be 100,000 bytes.
+constexpr std::size_t most_elements = 10'000, most_properties = 10'000;
+
+/// Names so far, of all elements and of the properties of the last one.
+struct Names {
+  std::unordered_set<std::string_view> elements, properties;
+};
+
+void read_element(Tokenizer& in, PlyHeader& header, Names& names) {
   PlyElement element;
   element.name = in.word();
   if (!in.integer(element.count) || element.count < 0) in.fail_number("number of elements");
-  const auto same = [&](const PlyElement& other) { return other.name == element.name; };
-  if (std::ranges::any_of(header.elements, same)) in.fail("element " + quoted(element.name) + " is announced twice");
+  if (header.elements.size() >= most_elements) in.fail("more than " + std::to_string(most_elements) + " elements");
+  if (!names.elements.insert(element.name).second) in.fail("element " + quoted(element.name) + " is announced twice");
+  names.properties.clear();
   header.elements.push_back(std::move(element));
 }
 
-void read_property(Tokenizer& in, PlyHeader& header) {
+void read_property(Tokenizer& in, PlyHeader& header, Names& names) {
   if (header.elements.empty()) in.fail("a property before the first element");
   PlyProperty property;
   const char* const from = in.where();
@@ -61,8 +72,14 @@ void read_property(Tokenizer& in, PlyHeader& header) {
   property.name = in.word();
   if (property.name.empty()) in.fail("a property without a name");
   auto& properties = header.elements.back().properties;
-  const auto same = [&](const PlyProperty& other) { return other.name == property.name; };
-  if (std::ranges::any_of(properties, same)) in.fail("property " + quoted(property.name) + " is announced twice");
+  if (properties.size() >= most_properties) in.fail("more than " + std::to_string(most_properties) + " properties");
+  if (!names.properties.insert(property.name).second) {
+    // Both are stepped over, unless they are what is read.
+    constexpr std::array<std::string_view, 5> read = {"x", "y", "z", "vertex_indices", "vertex_index"};
+    if (std::ranges::find(read, property.name) != read.end())
+      in.fail("property " + quoted(property.name) + " is announced twice");
+    header.remarks.push_back("property " + quoted(property.name) + " is announced twice; the first one counts");
+  }
   properties.push_back(property);
 }
 
@@ -83,6 +100,7 @@ int PlyElement::find(std::string_view name_a, std::string_view name_b) const {
 PlyHeader read_ply_header(const Source& source) {
   Tokenizer in(source);
   PlyHeader header;
+  Names names;
   if (!in.next_token() || in.word() != "ply") fail_at(source, source.begin(), "a PLY file starts with the word ply");
   bool has_format = false;
   for (;;) {
@@ -93,13 +111,17 @@ PlyHeader read_ply_header(const Source& source) {
       read_format(in, header);
       has_format = true;
     } else if (word == "element") {
-      read_element(in, header);
+      read_element(in, header, names);
     } else if (word == "property") {
-      read_property(in, header);
+      read_property(in, header, names);
     } else if (word == "comment" || word == "obj_info") {
       in.skip_line();
     } else if (word == "end_header") {
       break;
+    } else if (has_format && header.elements.empty()) {
+      // Before the first element it cannot be a part of one: a comment without the word.
+      header.remarks.push_back("the header has a line that is none of PLY, which begins with " + quoted(word));
+      in.skip_line();
     } else {
       fail_at(source, where, quoted(word) + " does not belong in a PLY header");
     }

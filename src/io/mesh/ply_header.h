@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::ascii;
   std::vector<PlyElement> elements;
   const char* body = nullptr;  // the first byte behind the line "end_header"
+  std::vector<std::string> remarks = {};
 };
 
 /// Throws FileError naming the line. The names point into the source.

@@ -7,9 +7,9 @@
 #include "alcap/mesh_io.h"
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/base/input_file.h"
 #include "src/base/numbers.h"
 #include "src/io/mesh/format.h"
-#include "src/io/mesh/mapped_file.h"
 
 namespace alcap {
 namespace detail {
@@ -120,7 +120,7 @@ void write_number(AtomicFile& file, std::int64_t value) { write_text(file, value
 MeshFile read_mesh(const std::filesystem::path& path, const ReadOptions& options) {
   return controlled(options.control, [&] {
     detail::report_phase("read");
-    const detail::MappedFile file(path);
+    const detail::InputFile file(path, {.what = "mesh file"});
     return detail::read({path.string(), file.bytes()}, options, detail::extension(path));
   });
 }

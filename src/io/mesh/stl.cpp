@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "src/base/bytes.h"
+#include "src/base/numbers.h"
 #include "src/io/mesh/builder.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/tokenizer.h"
@@ -67,12 +68,20 @@ MeshFile read_binary(Source& source, const ReadOptions& options) {
   const std::size_t size = source.bytes.size();
   if (size < header_bytes)
     fail(source, "a binary STL file has 84 bytes before its triangles, this one ends before; it was cut");
-  if (binary_size(source.bytes) != size) {
-    fail(source, "the STL header announces " + std::to_string(binary_size(source.bytes)) + " bytes, the file has " +
+  const std::uint64_t announced = binary_size(source.bytes);
+  const bool whole = (size - header_bytes) % facet_bytes == 0;
+  // Programs that write triangle by triangle forget the count; others pad the file.
+  if (announced > size || (!whole && size - announced >= facet_bytes)) {
+    fail(source, "the STL header announces " + std::to_string(announced) + " bytes, the file has " +
                      std::to_string(size) + "; it was cut, or it is no STL file");
   }
   const std::size_t triangles = (size - header_bytes) / facet_bytes;
   Facets facets(source, options, static_cast<std::int64_t>(triangles));
+  if (announced != size)
+    facets.mesh().remark(whole ? "the header announces " + std::to_string((announced - header_bytes) / facet_bytes) +
+                                     " triangles, and all " + std::to_string(triangles) + " that there are were read"
+                               : counted(static_cast<std::int64_t>(size - announced), "byte", "bytes") +
+                                     " behind the data; left out");
   constexpr std::size_t batch = 32;  // table slots fetched ahead
   std::array<std::array<double, 9>, batch> x;
   std::array<std::array<std::uint64_t, 3>, batch> hashes;
@@ -133,7 +142,11 @@ MeshFile read_text(const Source& source, const ReadOptions& options) {
     expect(in, "solid");
     in.skip_line();
     for (;;) {
-      if (!in.next_token()) in.fail("the file ends without 'endsolid'; it was cut");
+      if (!in.next_token()) {
+        if (facets.mesh().faces() == 0) in.fail("the file ends without 'endsolid'; it was cut");
+        facets.mesh().remark("the file ends without 'endsolid'; it may have been cut");
+        return facets.mesh().finish("stl");
+      }
       const char* const where = in.where();
       const std::string_view word = in.word();
       if (equal_ignoring_case(word, "endsolid")) break;

@@ -7,6 +7,13 @@
 
 namespace alcap::detail {
 
+bool Tokenizer::is_not_finite(std::string_view word) {
+  word.remove_prefix(std::min(word.size(), word.find_first_not_of("+-")));
+  for (const std::string_view name : {"nan", "inf", "infinity", "nan(ind)", "1.#qnan", "1.#snan", "1.#ind", "1.#inf"})
+    if (equal_ignoring_case(word, name)) return true;
+  return false;
+}
+
 void Tokenizer::fail_number(const std::string& what) {
   const bool line_ends = at_line_end();
   const char* const at = p_;

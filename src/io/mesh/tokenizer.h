@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -89,6 +90,18 @@ class Tokenizer {
     return true;
   }
 
+  /// A number as real(), or one that is not finite by name (nan, inf, 1.#QNAN), whose value is NaN.
+  [[nodiscard]] bool real_or_nan(double& value) {
+    if (real(value)) return true;
+    const char* const from = p_;
+    if (is_not_finite(word())) {
+      value = std::numeric_limits<double>::quiet_NaN();
+      return true;
+    }
+    p_ = from;
+    return false;
+  }
+
   /// A whole number of at most 18 digits, up to the end of the token or to `also` (OBJ: '/'), which is left in place.
   [[nodiscard]] bool integer(std::int64_t& value, char also = ' ') {
     skip_blank();
@@ -119,6 +132,7 @@ class Tokenizer {
   [[noreturn]] void fail_number(const std::string& what);
 
  private:
+  [[nodiscard]] static bool is_not_finite(std::string_view word);
   static bool is_digit(char c) { return c >= '0' && c <= '9'; }
   static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
   static bool is_newline(char c) { return c == '\n' || c == '\r'; }
