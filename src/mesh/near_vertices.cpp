@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "src/base/cancel.h"
+#include "src/base/numbers.h"
 
 namespace alcap::detail {
 namespace {
@@ -54,9 +55,10 @@ std::vector<Index> first_near(const Positions<double>& V, double distance) {
     Index& here = first[static_cast<std::size_t>(v)];
     here = static_cast<Index>(v);
     if (!V.row(v).allFinite() || !(cell > 0)) continue;
+    constexpr std::int64_t most = std::int64_t{1} << 52;  // places beyond share a cell
     Cell at{};
     for (int d = 0; d < 3; ++d)
-      at[static_cast<std::size_t>(d)] = static_cast<std::int64_t>(std::floor((V(v, d) - corner[d]) / cell));
+      at[static_cast<std::size_t>(d)] = to_integer(std::floor((V(v, d) - corner[d]) / cell), -most, most);
     for (int k = 0; k < 27; ++k) {
       const auto found = grid.find({at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1});
       if (found == grid.end()) continue;

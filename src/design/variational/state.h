@@ -79,7 +79,7 @@ struct Designer::State {
   // weight that their update makes irrelevant. Components with such fields that no row touches are drawn towards zero.
   bool singular = false;
   std::vector<char> parallel;  // per component, when singular: whether it has parallel fields
-  MatrixX<C> common;  // A^-1 of everything but live targets; no columns: unknown
+  MatrixX<C> common;           // A^-1 of everything but live targets; no columns: unknown
 
   // The system: system.cpp.
   State(const ConnectedSurface& surface_, const DesignerOptions& options_);

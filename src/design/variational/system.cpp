@@ -222,14 +222,16 @@ void Designer::State::check_determined() const {
   std::vector<char> asked(parallel.size(), 0), held(parallel.size(), 0);
   for (const auto& [id, p] : prepared) {
     for (const auto& part : p.load.parts) asked[detail::at(topology.face_component[detail::at(part.face)])] = 1;
-    for (const ControlRow& row : p.load.rows) held[detail::at(topology.vertex_component[detail::at(row.vertex[0])])] = 1;
+    for (const ControlRow& row : p.load.rows)
+      held[detail::at(topology.vertex_component[detail::at(row.vertex[0])])] = 1;
   }
   for (std::size_t c = 0; c < parallel.size(); ++c)
     if (parallel[c] != 0 && asked[c] != 0 && held[c] == 0)
-      throw OptionError("guidance_weight", options.guidance_weight,
-                        "the design's system is singular on component " + std::to_string(c) +
-                            ": this connection has parallel fields (flat or trivial), so targets alone do not determine "
-                            "one; give a guidance weight, or hold the field there");
+      throw OptionError(
+          "guidance_weight", options.guidance_weight,
+          "the design's system is singular on component " + std::to_string(c) +
+              ": this connection has parallel fields (flat or trivial), so targets alone do not determine "
+              "one; give a guidance weight, or hold the field there");
 }
 
 void Designer::State::make_guidance() {

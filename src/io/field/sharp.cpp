@@ -3,13 +3,14 @@
 // sharp.cpp: feature edges in the format of QuadWild.
 #include <algorithm>
 #include <charconv>
-#include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 
 #include "alcap/output.h"
 #include "src/base/atomic_file.h"
 #include "src/base/cancel.h"
+#include "src/base/input_file.h"
 
 namespace alcap {
 namespace {
@@ -52,8 +53,8 @@ void write_sharp(const Surface& surface, const FeatureGraph& features, const std
 }
 
 std::vector<std::array<Index, 2>> read_sharp(const Faces& F, const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw FileError(file.string() + ": cannot be read; check the name", file.string());
+  const detail::InputFile input(file, {.what = "file of features"});
+  std::istringstream in{std::string(input.bytes())};
   std::int64_t number = 0, announced = -1;
   const auto refuse = [&](const std::string& what) {
     throw FileError(file.string() + ", line " + std::to_string(number) + ": " + what, file.string(), number);
