@@ -280,7 +280,7 @@ TEST_CASE("wrong flags, designs and meshes: exit code, and a message that names 
                           {"design s.ply --design cut.json", 3, "cut.json:1: not JSON"},
                           {"design s.ply --design missing.json", 3, "missing.json"},
                           {"design missing.ply --source 1", 3, "missing.ply"},
-                          {"design flat.ply --source 1", 2, "give guidance"},
+                          {"design flat.ply --source 1", 2, "guidance weight"},
                           {"make", 2, "kind is required"},
                           {"make icosphere:3", 2, "-o"},
                           {"make ball -o b.ply", 2, "known are icosphere"},
