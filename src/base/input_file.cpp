@@ -111,7 +111,8 @@ class Reader {
       if (got == 0 && met) return bytes;
       pollfd one{.fd = descriptor_, .events = POLLIN, .revents = 0};
       (void)::poll(&one, 1, 50);
-      if (got == 0 && (one.revents & POLLHUP) != 0) return bytes;  // a writer has come and gone
+      // A writer has come and gone; what it may have left is read first.
+      if (got == 0 && (one.revents & (POLLHUP | POLLIN)) == POLLHUP) return bytes;
       if (silence.seconds() > (met ? limits_.silent_seconds : limits_.writer_seconds))
         fail(met ? "whoever writes into this pipe has stopped; give a file" : "nobody writes into this pipe");
     }
