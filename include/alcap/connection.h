@@ -133,7 +133,7 @@ struct Connection {
   std::vector<Cone> cones;  ///< of a trivial or metric connection, as it was given them
   /// Holonomy of each of homology_generators(), in turns, and index of each boundary loop, of trivial() and
   /// metric_connection().
-  std::vector<double> generator_holonomy, loop_index;
+  std::vector<double> generator_holonomy, loop_index;  ///< in turns, of trivial() and metric_connection()
   bool flat = false;                           ///< no curvature but at the cones: of trivial() and metric_connection()
   bool to_target = false;                      ///< nearest to a target of the caller's, which is not kept
   PolarCenter center = PolarCenter::incenter;  ///< of a polar map

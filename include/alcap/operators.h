@@ -149,11 +149,13 @@ struct EdgeValue {
 /// A field along one edge, from the tail of a halfedge to its tip: the restriction of the closed-form basis, which both
 /// of its faces share. Components are in the frame along the halfedge.
 struct EdgeField {
-  double n = 1;                           ///< degree
-  double rho_tail = 0, rho_tip = 0;       ///< vertex frames to the frame of the halfedge
-  double eps = 0;                         ///< lifted rotation along the halfedge
-  double length = 0;                      ///< of the edge
-  Complex<double> u_tail = 0, u_tip = 0;  ///< values at both ends in vertex frames
+  double n = 1;                ///< degree
+  double rho_tail = 0;         ///< frame of the tail to the frame of the halfedge
+  double rho_tip = 0;          ///< frame of the tip to the frame of the halfedge
+  double eps = 0;              ///< lifted rotation along the halfedge
+  double length = 0;           ///< of the edge
+  Complex<double> u_tail = 0;  ///< value at the tail, in its frame
+  Complex<double> u_tip = 0;   ///< value at the tip, in its frame
 
   /// The basis of an edge (LTGD 2016, Secs. 4.3 and 6.3), Psi_i = phi_i exp(-i n (rho_{vi->e} + eps_ij phi_j)), at the
   /// fraction s in [0, 1] of the way to the tip. The derivative is (Phi_j u_j - Phi_i u_i) / |e|, with Phi_i the

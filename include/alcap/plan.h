@@ -20,7 +20,7 @@ namespace alcap {
 
 /// The mesh and the machine.
 struct PlanOptions {
-  std::int64_t faces = 0;
+  std::int64_t faces = 0;                      ///< of the mesh
   std::int64_t vertices = 0;                   ///< 0: those of a closed surface, faces / 2 + 2
   int n = 4;                                   ///< degree of the field
   int threads = 0;                             ///< 0: all
@@ -39,11 +39,15 @@ struct PhasePlan {
 
 /// What is to be expected.
 struct RunPlan {
-  std::int64_t halfedges = 0, edges = 0, matrix_entries = 0;  ///< of S, both triangles; 64-bit, so true at any size
-  std::vector<std::string> refusals;        ///< why the library refuses this size; empty when it does not
-  std::vector<PhasePlan> phases;            ///< in order
-  double seconds = 0, bytes = 0, disk = 0;  ///< sum, peak, sum
-  double most_bytes = 0;                    ///< memory of the hardest case measured: round spheres, with large blocks
+  std::int64_t halfedges = 0;         ///< of the mesh; 64-bit, so true at any size
+  std::int64_t edges = 0;             ///< of the mesh
+  std::int64_t matrix_entries = 0;    ///< of S, both triangles
+  std::vector<std::string> refusals;  ///< why the library refuses this size; empty when it does not
+  std::vector<PhasePlan> phases;      ///< in order
+  double seconds = 0;                 ///< sum of the phases
+  double bytes = 0;                   ///< their peak
+  double disk = 0;                    ///< their sum
+  double most_bytes = 0;              ///< memory of the hardest case measured: round spheres, with large blocks
   double factor_bytes = 0;   ///< on top, when a factorisation is asked for or the eigensolver falls back to one
   double memory = 0;         ///< that there is, bytes; 0: not known
   std::int64_t largest = 0;  ///< faces of the largest mesh that fits here
