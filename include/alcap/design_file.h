@@ -105,6 +105,13 @@ struct DesignBoundary {
   double weight = 1;    // see BoundaryAlignment
 };
 
+/// A stroke along every line of sharp edges (sharp_edges.h), for even n; none unless `wanted`.
+struct DesignFeatures {
+  bool wanted = false;  ///< whether the design asks for it
+  double angle = 40;    // degrees, in (0, 180]: edges that fold by at least this; see SharpEdgeOptions
+  double weight = 1;    // see Stroke, EigenStroke
+};
+
 /// A cone at the vertex nearest to a point.
 struct DesignConeAt {
   Vector3 at{};      ///< the cone lies at the vertex nearest to this point
@@ -208,6 +215,7 @@ struct DesignFile {
   std::vector<DesignFixed> fixed = {};                ///< fixed vertices
   std::vector<DesignStroke> strokes = {};             ///< strokes
   DesignBoundary boundary = {};                       ///< alignment with the boundary
+  DesignFeatures features = {};                       ///< strokes along sharp edges
   std::vector<DesignEdit> edits = {};                 ///< changes of the singularities, in order
 };
 
@@ -236,8 +244,9 @@ void check_design(const DesignFile& design);
 /// OptionError.
 void check_design(const DesignFile& design, const Mesh& mesh);
 
-/// The same design with `at` replaced by faces, vertices and barycentric coordinates, a path by the points of the
-/// surface nearest to it, and edits done. Throws as check_design does, and on a surface that lies in no space.
+/// The same design with `features` replaced by strokes, `at` by faces, vertices and barycentric coordinates, a path by
+/// the points of the surface nearest to it, and edits done. Throws as check_design does, and on a surface that lies in
+/// no space.
 [[nodiscard]] DesignFile place_design(const DesignFile& design, const Surface& surface);
 
 /// The connection of a placed design, for connect().

@@ -58,6 +58,7 @@ DesignFile full() {
                {.vertices = {1, 2, 30}, .radius = 0.25},
                {.path = {{0, 0, 1}, {0.1, 0, 1e-3}}}};
   d.boundary = {.wanted = true, .normal = true, .weight = 0.1};
+  d.features = {.wanted = true, .angle = 35.5, .weight = 2};
   return d;
 }
 
@@ -132,6 +133,8 @@ TEST_CASE("what is written reads back as the same design, bit for bit") {
   CHECK(back.strokes[1].vertices == std::vector<Index>{1, 2, 30});
   CHECK(back.strokes[2].path[1][2] == 1e-3);
   CHECK(back.boundary.normal);
+  CHECK(back.features.angle == 35.5);
+  CHECK(back.features.weight == 2);
   const DesignFile by_t = parse_design(
       R"({"alcap_design":1,"n":2,"method":"variational","guidance":{"field":"least-curvature","t":-0.1}})");
   CHECK(*by_t.guidance.t == -0.1);
@@ -506,6 +509,7 @@ TEST_CASE("the schema knows the keys that the reader knows, and the examples are
   CHECK(keys(schema["properties"]["connection"]) == reader("/connection"));
   CHECK(keys(schema["properties"]["guidance"]) == reader("/guidance"));
   CHECK(keys(schema["properties"]["boundary"]) == reader("/boundary"));
+  CHECK(keys(schema["properties"]["features"]) == reader("/features"));
   CHECK(keys(schema["$defs"]["target"]) == reader("/connection/target"));
   CHECK(keys(schema["$defs"]["cone"]) == reader("/connection/cones/0"));
   CHECK(keys(schema["$defs"]["singularity"]) == reader("/singularities/0"));
@@ -520,4 +524,25 @@ TEST_CASE("the schema knows the keys that the reader knows, and the examples are
     ++count;
   }
   CHECK(count >= 15);
+}
+
+TEST_CASE("features become a stroke along every crease, for even n") {
+  DesignFile design;
+  design.n = 4;
+  design.features = {.wanted = true};
+  MeshData box = cube();
+  const Surface surface(box.V, box.F);
+  const DesignFile placed = place_design(design, surface);
+  CHECK(placed.strokes.size() == 12);
+  CHECK_FALSE(placed.features.wanted);
+  for (const DesignStroke& s : placed.strokes) CHECK(s.vertices.size() == 2);
+  design.features.angle = 100;
+  CHECK(place_design(design, surface).strokes.empty());
+  for (const double bad : {0.0, -1.0, 181.0}) {
+    design.features.angle = bad;
+    CHECK_THROWS_AS(check_design(design), OptionError);
+  }
+  design.features.angle = 40;
+  design.n = 3;
+  CHECK_THROWS_AS(check_design(design), OptionError);
 }

@@ -64,7 +64,6 @@ Inputs read_inputs(const DesignOptionsGiven& options, Progress& progress) {
   in.file = read_choice(options.mesh);
   in.read_seconds = watch.lap();
   in.surface = make_surface(options.mesh, in.file, in.remarks);
-  add_feature_strokes(options.flags, in.surface, in.design);
   for (Remark& r : mesh_remarks(in.surface)) in.remarks.push_back(std::move(r));
   in.mesh_seconds = watch.lap();
   return in;

@@ -274,7 +274,10 @@ void add_alignment_options(cli::App& app, DesignFlags& flags) {
          "The field runs along the boundary")
       ->group("Controls");
   app.add_option_function<std::string>(
-         "--align-features", [&flags](const std::string& text) { flags.features = feature_angle(text); },
+         "--align-features",
+         [&flags](const std::string& text) {
+           flags.features = {.wanted = true, .angle = feature_angle(text) * 180 / pi<double>};
+         },
          "Strokes along all edges that fold by ANGLE degrees (default 40); after MESH, or with =ANGLE")
       ->type_name("ANGLE")
       ->expected(0, 1)
@@ -348,15 +351,6 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
 }
 
-void add_feature_strokes(const DesignFlags& flags, const Surface& surface, DesignFile& design) {
-  if (!flags.features) return;
-  if (design.n % 2 != 0)
-    throw Failure(Exit::usage, "--align-features needs an even -n: a feature has no sense of direction",
-                  {{"option", "--align-features"}});
-  const FeatureGraph graph = sharp_edges(surface, {.angle = *flags.features, .boundary = false});
-  for (DesignStroke& stroke : feature_strokes(graph, 1)) design.strokes.push_back(std::move(stroke));
-}
-
 DesignFile make_design(const DesignFlags& flags) {
   DesignFile design;
   if (!flags.file.empty()) design = read_design(flags.file);
@@ -364,6 +358,7 @@ DesignFile make_design(const DesignFlags& flags) {
   if (flags.count("--method") > 0) design.method = flags.method;
   if (flags.count("--energy") > 0) design.s = flags.s;
   if (flags.boundary.wanted) design.boundary = flags.boundary;
+  if (flags.features.wanted) design.features = flags.features;
   if (flags.count("--cones") > 0) design.connection.balance = true;
   take_connection(flags, design.connection);
   if (flags.guidance) design.guidance = *flags.guidance;
@@ -387,7 +382,7 @@ DesignFile make_design(const DesignFlags& flags) {
   for (const DesignEdit& e : flags.edits) design.edits.push_back(e);
   check_design(design);
   const bool nothing = design.singularities.empty() && design.fixed.empty() && design.strokes.empty() &&
-                       !design.boundary.wanted && !flags.features && design.method != DesignMethod::eigen &&
+                       !design.boundary.wanted && !design.features.wanted && design.method != DesignMethod::eigen &&
                        design.connection.cones.empty() && design.connection.cones_at.empty() &&
                        !design.connection.balance &&
                        (design.guidance.source == DesignGuidance::Source::none ||

@@ -23,7 +23,7 @@ struct DesignFlags {
   std::vector<DesignFixed> fixed = {};
   std::vector<std::string> strokes = {};  // FILE[:WEIGHT]
   DesignBoundary boundary = {};
-  std::optional<double> features = {};  // angle of creases, radians
+  DesignFeatures features = {};
   DesignMethod method = DesignMethod::variational;
   double s = 0;
   std::optional<DesignGuidance> guidance = {};
@@ -36,9 +36,6 @@ struct DesignFlags {
 
 /// Adds --design, -n, --source ... --guidance, --method and the connection options.
 void add_design_options(cli::App& app, DesignFlags& flags);
-
-/// Adds strokes along the creases of the surface, if they were asked for. Throws Failure(usage) for odd n.
-void add_feature_strokes(const DesignFlags& flags, const Surface& surface, DesignFile& design);
 
 /// The design file, if any, with what the flags add (controls, cones) and replace (n, connection, guidance). Throws
 /// FileError and OptionError.

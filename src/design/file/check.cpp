@@ -165,6 +165,13 @@ void check(const DesignGuidance& g, int n) {
   if (!g.weights.empty() && !(sum > 0)) throw Problem{"/guidance/weights", "all 0", "one at least must be positive"};
 }
 
+void check(const DesignFeatures& f, int n) {
+  if (!(f.angle > 0 && f.angle <= 180)) throw Problem{"/features/angle", number_text(f.angle), "must be in (0, 180]"};
+  check_positive("/features/weight", f.weight);
+  if (n % 2 != 0)
+    throw Problem{"/features", "n = " + std::to_string(n), "needs an even n: a feature has no sense of direction"};
+}
+
 void check_eigen(const DesignFile& design) {
   const auto refuse = [](const std::string& path, const std::string& value) {
     throw Problem{path, value, "goes with the variational method, and here it is eigen"};
@@ -307,6 +314,7 @@ void detail::check_design_values(const DesignFile& design) {
   if (!(design.s >= -1 && design.s <= 1)) throw Problem{"/s", number_text(design.s), "must be in [-1, 1]"};
   check(design.guidance, design.n);
   if (design.boundary.wanted) check_positive("/boundary/weight", design.boundary.weight);
+  if (design.features.wanted) check(design.features, design.n);
   if (design.method == DesignMethod::eigen) check_eigen(design);
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     check(at("singularities", k), design.singularities[k], design.n);

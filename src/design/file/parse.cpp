@@ -209,6 +209,14 @@ DesignStroke read_stroke(const Node& node) {
   return s;
 }
 
+DesignFeatures read_features(const Node& node) {
+  node.keys({"angle", "weight"});
+  DesignFeatures f{.wanted = true};
+  if (const auto x = node.find("angle")) f.angle = x->number();
+  if (const auto x = node.find("weight")) f.weight = x->number();
+  return f;
+}
+
 DesignBoundary read_boundary(const Node& node) {
   node.keys({"align", "weight"});
   constexpr auto names = std::to_array<std::pair<bool, std::string_view>>({{false, "tangent"}, {true, "normal"}});
@@ -350,7 +358,7 @@ DesignEdit read_edit(const Node& node) {
 
 DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
   node.keys({"$schema", "alcap_design", "comment", "mesh", "n", "method", "s", "connection", "guidance",
-             "singularities", "fixed", "strokes", "boundary", "edits"});
+             "singularities", "fixed", "strokes", "boundary", "features", "edits"});
   if (const auto version = node.at("alcap_design"); version.whole<int>() != design_version)
     version.fail("this alcap reads version " + std::to_string(design_version));
   if (const auto x = node.find("$schema")) (void)x->text();
@@ -366,6 +374,7 @@ DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
   }
   if (const auto x = node.find("s")) design.s = x->number();
   if (const auto x = node.find("boundary")) design.boundary = read_boundary(*x);
+  if (const auto x = node.find("features")) design.features = read_features(*x);
   if (const auto x = node.find("connection")) design.connection = read_connection(*x);
   if (const auto x = node.find("guidance")) design.guidance = read_guidance(*x, folder);
   if (const auto x = node.find("singularities"))

@@ -106,6 +106,12 @@ DesignFile place_design(const DesignFile& design, const Surface& surface) {
   const Positions<double>& V = surface.positions();
   check_design(design, mesh);
   DesignFile placed = design;
+  if (design.features.wanted) {
+    const FeatureGraph graph =
+        sharp_edges(surface, {.angle = design.features.angle * pi<double> / 180, .boundary = false});
+    for (DesignStroke& s : feature_strokes(graph, design.features.weight)) placed.strokes.push_back(std::move(s));
+    placed.features = {};
+  }
   std::optional<SurfaceLocator> locator;  // made when a point of space is met
   const auto nearest_point = [&](const Vector3& at) {
     if (!locator) locator.emplace(surface);

@@ -140,6 +140,10 @@ std::string design_text(const DesignFile& design) {
     json["boundary"]["align"] = design.boundary.normal ? "normal" : "tangent";
     if (design.boundary.weight != 1) json["boundary"]["weight"] = design.boundary.weight;
   }
+  if (design.features.wanted) {
+    json["features"]["angle"] = design.features.angle;
+    if (design.features.weight != 1) json["features"]["weight"] = design.features.weight;
+  }
   write_list(json, "edits", design.edits);
   // Texts from outside JSON may hold anything; what is not UTF-8 is replaced.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
