@@ -122,6 +122,23 @@ TEST_CASE("Pictures of the smallest, the flat and the wide") {
       }
 }
 
+TEST_CASE("pictures and curves may lie in the folder of the fields, under names that no field takes") {
+  const CliFolder folder;
+  folder.write("ball.off", icosphere(2));
+  REQUIRE(folder.run("field ball.off -o out").exit == 0);
+  for (const char* name : {"field.json", "field.obj", "curves.vtp"}) {
+    CAPTURE(std::string(name));
+    const CliResult r = folder.run(std::string("field ball.off -o out --curves out/") + name);
+    CHECK(r.exit == 0);
+    CHECK(std::filesystem::exists(folder.work() / "out" / name));
+  }
+  for (const char* name : {"field.vtp", "field_singularities.vtp"}) {
+    const CliResult r = folder.run(std::string("field ball.off -o out --curves out/") + name);
+    CHECK(r.exit == 2);
+    CHECK(r.error_says("name the same file"));
+  }
+}
+
 TEST_CASE("Curves are written in every format, on the surface, with the reasons of their ends") {
   const CliFolder folder;
   folder.write("ball.off", icosphere(3));

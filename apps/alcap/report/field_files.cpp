@@ -41,13 +41,23 @@ OutputPlan plan_files(const FilesChoice& choice) {
   return plan;
 }
 
+namespace {
+
+/// Whether write_files() puts a file of this name into a folder, in one format or another.
+bool is_written(const std::string& name) {
+  if (name == "design.json" || name == "field_singularities.vtp") return true;
+  return name.starts_with("field.") &&
+         (!field_format(name).empty() || name.ends_with(".sings") || name.ends_with(".sharp"));
+}
+
+}  // namespace
+
 void check_names(const OutputPlan& plan, const std::vector<NamedPath>& others, const std::vector<NamedPath>& inputs) {
   std::vector<NamedPath> outputs = others;
   if (plan.kind == OutputPlan::Kind::folder) {
-    // What write_files() puts there.
     for (const auto& [flag, path] : others) {
       const std::string name = path.filename().string();
-      if (name.starts_with("field.") || name == "design.json") outputs.emplace_back("-o", plan.target / name);
+      if (is_written(name)) outputs.emplace_back("-o", plan.target / name);
     }
   } else if (plan.kind == OutputPlan::Kind::file) {
     outputs.emplace_back("-o", plan.target);
