@@ -89,9 +89,10 @@ std::vector<std::string> eigen_solvers() { return methods().names(); }
 
 BackendRegistration register_eigen_solver(std::string name, EigenSolver solver) {
   if (!solver) throw OptionError("solver", "none", "must be a function that solves eigenproblems");
-  return methods().add(name,
-                       [name, solver = std::move(solver)](const EigenProblem& problem, const EigenOptions& options) {
-                         return concluded(name, problem, options, solver(problem, options));
+  const std::string known = std::move(name);
+  return methods().add(known,
+                       [known, solver = std::move(solver)](const EigenProblem& problem, const EigenOptions& options) {
+                         return concluded(known, problem, options, solver(problem, options));
                        });
 }
 

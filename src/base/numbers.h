@@ -48,7 +48,7 @@ template <class Integer>
 template <class Integer>
 [[nodiscard]] std::optional<Integer> rounded(double value) {
   const double nearest = std::nearbyint(value);
-  // Exact in double, unlike the largest value.
+  // Exact in double, unlike the largest value. NOLINTNEXTLINE(bugprone-integer-division)
   constexpr double beyond = 2.0 * static_cast<double>(std::numeric_limits<Integer>::max() / 2 + 1);
   if (!(nearest >= static_cast<double>(std::numeric_limits<Integer>::min()) && nearest < beyond)) return std::nullopt;
   return static_cast<Integer>(nearest);

@@ -33,7 +33,8 @@
 #include "src/base/parallel.h"
 #include "src/simd/isa.h"
 
-extern "C" void __gcov_dump() __attribute__((weak));  // where coverage is measured
+// Where coverage is measured; the name is gcc's. NOLINTNEXTLINE(readability-identifier-naming)
+extern "C" void __gcov_dump() __attribute__((weak));
 
 namespace alcap::app {
 namespace {

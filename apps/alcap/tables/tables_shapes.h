@@ -44,7 +44,7 @@ struct Body {
 /// on the surface.
 class BodyShape : public Shape {
  public:
-  BodyShape(std::string name, int level, MeshData mesh, const Body& body, int fields, std::uint64_t seed);
+  BodyShape(std::string name, int level, MeshData data, const Body& body, int fields, std::uint64_t seed);
   /// The fields in the vertex frames of a connection, #V x fields, each of unit L2 norm.
   [[nodiscard]] Fields sample(const Connection& connection) const;
 
@@ -61,6 +61,6 @@ class BodyShape : public Shape {
 
 /// The mean angle, in degrees, between the cross field per face of a trivial connection (Crane, Desbrun, Schroeder
 /// 2010: one direction carried from face to face) and our smoothest field for it, at the faces that touch no cone.
-[[nodiscard]] double face_field_difference(const MeshData& surface);
+[[nodiscard]] double face_field_difference(const MeshData& data);
 
 }  // namespace alcap::app
