@@ -183,7 +183,8 @@ class GapSearch {
     std::map<Index, std::pair<double, Index>> reached{{start, {0, none}}};  // distance, edge it came by
     std::set<std::pair<double, Index>> open{{0, start}};
     while (!open.empty()) {
-      const auto [distance, v] = *open.begin();
+      const double distance = open.begin()->first;  // not a binding: clang 14 lets no lambda use those
+      const Index v = open.begin()->second;
       open.erase(open.begin());
       if (v != start && degree_[static_cast<std::size_t>(v)] > 0) return back(reached, v);
       const auto step = [&](Index w, Index e) {
