@@ -49,7 +49,7 @@ def filter_page(path, text):
             return match.group(0)
         file, _, anchor = target.partition('#')
         where = os.path.normpath(os.path.join(os.path.dirname(path), file)) if file else path
-        if where.endswith('.md') and os.path.dirname(where) == docs:
+        if where.endswith('.md') and os.path.dirname(where) in (docs, os.path.join(docs, 'recipes')):
             return f'[{shown}](@ref {page(where)}_{anchor})' if anchor else f'[{shown}](@ref page_{page(where)})'
         if where.endswith('.h') and os.path.dirname(where) == os.path.join(ROOT, 'include', 'alcap'):
             return f'[{shown}](@ref {page(where)}.h)'

@@ -12,6 +12,8 @@
 //   .rosy             one unit direction per face                                      (vcglib, QuadWild)
 //   .ply              mesh, u and frames per vertex, binary; what read_field reads
 //   .vtp              mesh, directions and face data, and _singularities.vtp beside it (VTK, ParaView)
+//   .csv .npy .dmat   a table of one direction, its frame, angle and length per face   (spreadsheets, NumPy, libigl)
+//   .vertex.csv ...   the same per vertex
 // Vectors are in the coordinates and the units of V. Numbers in text are the shortest that read back as the same
 // double. At a vertex that no face uses everything is zero. Every file appears complete or not at all.
 #pragma once
@@ -44,6 +46,9 @@ struct FieldOutput {
   const Field& field;                               ///< per vertex, with frames
   std::span<const Singularity> singularities = {};  ///< of this field, all of them: find_singularities()
   std::span<const FaceScalars> face_scalars = {};   ///< for .vtp; besides "K" and "index", which are always there
+  /// For a field of unit directions: what is written per face has length 1 as well. Where the field vanishes in the
+  /// middle of a face, the direction is that of the face's first edge.
+  bool unit = false;
 };
 
 /// Writes the field in the format of the extension and returns the files written. Throws FileError (unknown extension:
@@ -61,6 +66,9 @@ std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::s
 /// The extensions that write_field knows, without the leading dot.
 [[nodiscard]] std::vector<std::string> field_formats();
 
+/// Those of them that hold what most programs read: all but the tables.
+[[nodiscard]] std::vector<std::string> usual_field_formats();
+
 /// The one of field_formats() that a file name ends with (case does not matter), or empty.
 [[nodiscard]] std::string field_format(const std::filesystem::path& file);
 
@@ -70,6 +78,15 @@ void write_curves(const CurveSet& curves, int n, const std::filesystem::path& fi
 
 /// The extensions that write_curves knows, without the leading dot.
 [[nodiscard]] std::vector<std::string> curve_formats();
+
+/// Writes one number per vertex, such as target_edge_lengths(), in the format of the extension: .sol (Medit; the size
+/// map of mmg), .csv (with a line of names, `name` among them), .npy (NumPy), .dmat (libigl). Throws FileError as
+/// write_field does, and OptionError for a number that is not finite.
+void write_scalars(const VectorX<double>& values, const std::string& name, const std::filesystem::path& file,
+                   const RunControl& control = {});
+
+/// The extensions that write_scalars knows, without the leading dot.
+[[nodiscard]] std::vector<std::string> scalar_formats();
 
 /// Writes feature edges as QuadWild reads them (.sharp): their number, then lines "type,face,edge" with type 0 for
 /// concave and 1 for convex and boundary edges, and edge k of a face from its corner k to the next. An edge is given

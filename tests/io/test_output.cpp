@@ -14,78 +14,13 @@
 #include <sstream>
 
 #include "src/base/parallel.h"
+#include "tests/io/directional_reader.h"
 #include "tests/io/output_fixture.h"
 
 namespace {
 
 using namespace alcap;
 using namespace alcap::test;
-using Row = Eigen::RowVector3d;
-
-// A raw field as Directional reads it: n and the number of rows, then 3 n numbers a row with operator>>, and the stream
-// must still be good afterwards.
-struct Raw {
-  int n = 0;
-  Eigen::MatrixXd rows;
-  [[nodiscard]] Row at(Eigen::Index i, int k) const { return rows.block<1, 3>(i, 3 * k); }
-};
-Raw read_raw(const fs::path& path) {
-  std::ifstream in(path);
-  int count = 0;
-  Raw raw;
-  in >> raw.n >> count;
-  raw.rows.resize(count, 3 * raw.n);
-  for (Eigen::Index i = 0; i < raw.rows.rows(); ++i) {
-    for (Eigen::Index j = 0; j < raw.rows.cols(); ++j) in >> raw.rows(i, j);
-  }
-  CHECK(in.good());
-  std::string rest;
-  in >> rest;
-  CHECK(rest.empty());
-  return raw;
-}
-
-std::map<int, int> read_sings(const fs::path& path, int& n) {
-  std::ifstream in(path);
-  int count = -1;
-  in >> n >> count;
-  std::map<int, int> out;
-  for (int i = 0, element = 0, index = 0; i < count; ++i) {
-    in >> element >> index;
-    CHECK(out.emplace(element, index).second);
-  }
-  CHECK(in.good());
-  return out;
-}
-
-Row face_normal(const Case& c, Index t) {
-  const Row a = c.surface.V.row(c.mesh.F()(t, 0)), b = c.surface.V.row(c.mesh.F()(t, 1)),
-            d = c.surface.V.row(c.mesh.F()(t, 2));
-  return (b - a).cross(d - a).normalized();
-}
-
-// Principal matching in space: unfold the face of h over prev(h) into the next face, take the branch that is nearest to
-// branch 0 there, sum the angles around the vertex and add the angle defect. No frames and no complex numbers.
-int index_by_matching(const Case& c, const Raw& raw, Index v) {
-  double turn = c.geometry.defect(c.mesh, v);
-  c.mesh.for_each_outgoing(v, [&](Index h) {
-    const Index shared = Mesh::prev(h), f = Mesh::face(h), g = Mesh::face(c.mesh.twin(shared));
-    const Row from = face_normal(c, f), to = face_normal(c, g);
-    const Row axis = (c.surface.V.row(c.mesh.tip(shared)) - c.surface.V.row(c.mesh.tail(shared))).normalized();
-    const double fold = std::atan2(from.cross(to).dot(axis), from.dot(to));
-    const Row unfolded = (Eigen::AngleAxisd(fold, axis.transpose()) * raw.at(f, 0).transpose()).transpose();
-    double best = 10;
-    for (int k = 0; k < raw.n; ++k) {
-      const Row other = raw.at(g, k);
-      const double angle = std::atan2(unfolded.cross(other).dot(to), unfolded.dot(other));
-      if (std::abs(angle) < std::abs(best)) best = angle;
-    }
-    turn += best;
-  });
-  const double index = turn * raw.n / (2 * pi<double>);
-  CHECK(std::abs(index - std::round(index)) < 1e-6);
-  return static_cast<int>(std::lround(index));
-}
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
@@ -194,9 +129,10 @@ TEST_CASE("rawfield: n tangent vectors per face, counter-clockwise, whose n-th p
     const Raw raw = read_raw(folder.path / "f.rawfield");
     REQUIRE(raw.n == n);
     REQUIRE(raw.rows.rows() == c.mesh.faces());
-    const Field faces = at_faces(c.output().surface, c.field);
+    const ConnectedSurface surface = c.output().surface;
+    const Field faces = at_faces(surface, c.field);
     for (Index t = 0; t < c.mesh.faces(); ++t) {
-      const Row normal = face_normal(c, t);
+      const Row normal = face_normal(surface, t);
       const Row x = (c.surface.V.row(c.mesh.F()(t, 1)) - c.surface.V.row(c.mesh.F()(t, 0))).normalized();
       const double size = std::pow(std::abs(faces.u[t]), 1.0 / n);
       for (int k = 0; k < n; ++k) {
@@ -232,10 +168,11 @@ TEST_CASE("sings: what principal matching finds in the very rows of the rawfield
       const Raw raw = read_raw(folder.path / "f.rawfield");
       int degree = 0, sum = 0;
       const std::map<int, int> found = read_sings(folder.path / "f.sings", degree);
+      const Surface surface(c.surface.V, c.surface.F);
       CHECK(degree == n);
       for (Index v = 0; v < c.mesh.vertices(); ++v) {
         const bool inside = c.mesh.referenced(v) && !c.mesh.boundary_vertex(v);
-        const int expected = inside ? index_by_matching(c, raw, v) : 0;
+        const int expected = inside ? index_by_matching(surface, raw, v) : 0;
         CHECK((found.count(v) ? found.at(v) : 0) == expected);
         sum += expected;
       }

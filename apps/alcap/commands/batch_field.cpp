@@ -123,14 +123,14 @@ class Lines {
   Json kept_ = Json::array();
 };
 
-void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const FieldRun& run) {
+void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const FieldRun& run, bool unit) {
   std::vector<std::filesystem::path> paths;
   for (const std::string& f : choice.formats) {
     std::string name = mesh.path.stem().string();
     name += "." + f;
     paths.push_back(choice.folder / name);
   }
-  write_guarded([&] { (void)write_field(output_of(run), paths); });
+  write_guarded([&] { (void)write_field(output_of(run, unit), paths); });
 }
 
 /// The jobs share the cores among them. OpenBLAS, where it is what CHOLMOD calls, would start threads of its own in
@@ -191,7 +191,7 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
         one.path = paths[static_cast<std::size_t>(i)];
         MeshFile read = read_choice(one);
         const FieldRun& run = context.run(std::move(read.V), std::move(read.F));
-        if (!choice.folder.empty()) write_fields(choice, one, run);
+        if (!choice.folder.empty()) write_fields(choice, one, run, field.normalise);
         Json line = head(i);
         line.update(line_of(run, watch.seconds()));
         lines.add(i, std::move(line));

@@ -126,7 +126,7 @@ Outcome run(const DesignOptionsGiven& options, const Common& common, Progress& p
   for (Remark& left : leftover_remarks(plan.target)) remarks.push_back(std::move(left));
   Json report = design_report(input_json(options.mesh.path, in.file), in.design, result, remarks);
 
-  const FieldOutput output = output_of(result);
+  const FieldOutput output = output_of(result, options.unit);
   progress.phase("drawing curves");
   const ShownCurves shown = trace_show(output, options.show, report);
 
@@ -136,12 +136,13 @@ Outcome run(const DesignOptionsGiven& options, const Common& common, Progress& p
     write_design(folder / "design.json", in.design);
     return std::vector<std::string>{"design.json"};
   };
-  write_files(plan, options.files, output, write_asked, [&](const std::vector<std::string>& files) -> const Json& {
-    report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
-    report["peak_memory_bytes"] = peak_memory_bytes();
-    report["files"] = files;
-    return report;
-  });
+  write_files(plan, options.files, output, nullptr, write_asked,
+              [&](const std::vector<std::string>& files) -> const Json& {
+                report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
+                report["peak_memory_bytes"] = peak_memory_bytes();
+                report["files"] = files;
+                return report;
+              });
 
   write_show(output, options.mesh.path.stem().string(), options.show, shown, report);
 

@@ -11,6 +11,7 @@
 #include "apps/alcap/commands/batch_field.h"
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/commands/show_options.h"
+#include "apps/alcap/commands/sizing_options.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/field_files.h"
@@ -31,6 +32,8 @@ constexpr const char* footer =
     "  alcap field cow.off --detail 0.1 -o out      fewer singularities: small bumps are ignored\n"
     "  alcap field ball.off --cone 0:1 --cone 41:1   singularities where you say\n"
     "  alcap field part.stl --align-features -o out  crosses along creases and boundary; out/ gets field.sharp\n"
+    "  alcap field part.stl --for quadwild -o out    what QuadWild makes quads of\n"
+    "  alcap field part.stl --sizing part.sol       how long edges should be, for mmg\n"
     "  alcap field bunny.ply --png bunny.png        a picture: curves and singularities\n"
     "  alcap field bunny.ply --html bunny.html      a page to look at it with\n"
     "  alcap field bunny.ply --json                 no files, just the certificate\n"
@@ -45,6 +48,7 @@ struct FieldOptions {
   FieldRunOptions run = {};
   FilesChoice files = {};
   ShowOptions show = {};
+  SizingChoice sizing = {};
   BatchChoice batch = {};
   std::filesystem::path features = {};  // a .sharp file
 };
@@ -150,16 +154,38 @@ std::vector<std::string> write_modes(const FieldOptions& options, const FieldRun
   return names;
 }
 
+/// Quads follow creases: without a word about alignment, crosses for QuadWild are aligned.
+void imply_alignment(FieldOptions& options) {
+  if (options.files.reader != Reader::quadwild) return;
+  if (options.run.n != 4)
+    throw Failure(Exit::usage, "--for quadwild takes crosses: leave out -n, or say -n 4", {{"option", "--for"}});
+  if (!options.run.align) options.run.align.emplace();
+}
+
+/// Exit code and complaint.
+void judge(const FieldRun& result, Outcome& outcome) {
+  if (!result.certificate.holds()) {
+    outcome.exit = Exit::uncertified;
+    outcome.complaint = complaint("the certificate does not hold:", result.remarks);
+  } else if (result.features && !result.features->followed) {
+    outcome.exit = Exit::unmet;
+    outcome.complaint = complaint("the field does not follow every feature:", result.remarks);
+  }
+}
+
 Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
+  imply_alignment(options);
   check_names(plan,
               {{"--report", common.report},
                {"--html", options.show.html},
                {"--png", options.show.picture.file},
-               {"--curves", options.show.picture.curves}},
+               {"--curves", options.show.picture.curves},
+               {"--sizing", options.sizing.file}},
               {{"mesh", options.mesh.path}});
   check_show(options.show);
+  check_sizing(options.sizing);
 
   RunSeconds times;
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
@@ -171,20 +197,20 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   if (!options.features.empty()) options.run.align->edges = read_sharp(file.F, options.features);
   const FieldRun result = run_on(options, file);
 
-  const FieldOutput output = output_of(result);
+  const FieldOutput output = output_of(result, options.run.normalise);
   Json report = field_report(options.mesh.path, file, result, options.run);
   progress.phase("drawing curves");
   const ShownCurves shown = trace_show(output, options.show, report);
+  const FeatureGraph* const features = result.features ? &result.features->graph : nullptr;
+  const VectorX<double> sizing = find_sizing(result.surface, features, options.sizing, report);
   for (Json& left : remarks_json(leftover_remarks(plan.target), true)) report["warnings"].push_back(std::move(left));
 
   progress.phase("writing");
   const detail::Stopwatch writing;
   const auto others = [&](const std::filesystem::path& folder) {
-    if (!result.features) return write_modes(options, result, folder);
-    write_sharp(result.surface, result.features->graph, folder / "field.sharp");
-    return std::vector<std::string>{"field.sharp"};
+    return options.files.reader ? std::vector<std::string>{} : write_modes(options, result, folder);
   };
-  write_files(plan, options.files, output, others, [&](const std::vector<std::string>& files) -> const Json& {
+  write_files(plan, options.files, output, features, others, [&](const std::vector<std::string>& files) -> const Json& {
     times.write = writing.seconds();
     times.total = total.seconds();
     report["times"] = times_json(result.times, times);
@@ -193,16 +219,13 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
     return report;
   });
   write_show(output, options.mesh.path.stem().string(), options.show, shown, report);
+  write_sizing(sizing, options.sizing, report);
 
   Outcome outcome{.report = std::move(report)};
   outcome.text = summary(options, outcome.report);
-  if (!result.certificate.holds()) {
-    outcome.exit = Exit::uncertified;
-    outcome.complaint = complaint("the certificate does not hold:", result.remarks);
-  } else if (result.features && !result.features->followed) {
-    outcome.exit = Exit::unmet;
-    outcome.complaint = complaint("the field does not follow every feature:", result.remarks);
-  }
+  if (options.files.reader)
+    outcome.text += summary_line("next", command_for(*options.files.reader, plan.target / "field"));
+  judge(result, outcome);
   return outcome;
 }
 
@@ -218,6 +241,10 @@ Outcome run_batch_of(FieldOptions options, const Common& common) {
       options.files.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options.files);
   options.run.repairs = options.mesh.repair.repairs;
   options.run.weld_tolerance = options.mesh.repair.weld_tolerance;
+  if (options.files.reader)
+    throw Failure(Exit::usage, "--for is for one mesh, and --batch has many", {{"option", "--for"}});
+  if (!options.sizing.file.empty())
+    throw Failure(Exit::usage, "--sizing is for one mesh, and --batch has many", {{"option", "--sizing"}});
   if (!options.features.empty())
     throw Failure(Exit::usage, "--features belongs to one mesh, not to a batch", {{"option", "--features"}});
   return run_field_batch(options.batch, options.mesh, options.run, common);
@@ -285,6 +312,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_eigen_options(app, options->run.eigen);
   add_alignment_options(app, *options);
   add_show_options(app, options->show);
+  add_sizing_options(app, options->sizing);
   app.add_option(
          "--modes", options->run.modes,
          "Also find the K smoothest fields: listed in the report, and mode-1 ... mode-K in a folder given by -o")

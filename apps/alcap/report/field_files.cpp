@@ -13,15 +13,24 @@ void add_files_options(cli::App& app, FilesChoice& choice) {
                  "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
                  "written")
       ->type_name("OUT");
-  app.add_option("--formats", choice.formats, "Of the files in the folder, only these: ply,vtp,rawfield,rosy,...")
+  app.add_option("--formats", choice.formats,
+                 "Of the files in the folder, only these: ply,vtp,rawfield,rosy,csv,npy,dmat, or vertex.csv, ...")
       ->type_name("LIST")
       ->delimiter(',')
       ->allow_extra_args(false);
+  app.add_option_function<std::string>(
+         "--for",
+         [&choice](const std::string& text) {
+           choice.reader = from_name<Reader>(text);
+           if (!choice.reader) throw cli::ValidationError("--for", text + " not in {quadwild,directional}");
+         },
+         "Write what this program goes on from, mesh and all, into the folder: quadwild or directional")
+      ->type_name("PROGRAM");
 }
 
 std::vector<std::string> chosen_formats(const FilesChoice& choice) {
-  std::vector<std::string> known = field_formats();
-  if (choice.formats.empty()) return known;
+  if (choice.formats.empty()) return usual_field_formats();
+  const std::vector<std::string> known = field_formats();
   for (const std::string& f : choice.formats) {
     if (std::find(known.begin(), known.end(), f) == known.end())
       throw Failure(Exit::usage, fmt::format("--formats {}: unknown; known are {}", f, fmt::join(known, ", ")),
@@ -38,6 +47,10 @@ OutputPlan plan_files(const FilesChoice& choice) {
   if (plan.kind != OutputPlan::Kind::folder && !choice.formats.empty())
     throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",
                   {{"option", "--formats"}});
+  if (choice.reader && !choice.formats.empty())
+    throw Failure(Exit::usage, "--for and --formats exclude each other", {{"option", "--for"}});
+  if (choice.reader && plan.kind != OutputPlan::Kind::folder)
+    throw Failure(Exit::usage, "--for writes several files: it goes with -o FOLDER", {{"option", "--for"}});
   return plan;
 }
 
@@ -47,7 +60,8 @@ namespace {
 bool is_written(const std::string& name) {
   if (name == "design.json" || name == "field_singularities.vtp") return true;
   return name.starts_with("field.") &&
-         (!field_format(name).empty() || name.ends_with(".sings") || name.ends_with(".sharp"));
+         (!field_format(name).empty() || name.ends_with(".sings") || name.ends_with(".sharp") ||
+          name.ends_with(".obj") || name.ends_with(".off") || name.ends_with(".txt"));
 }
 
 }  // namespace
@@ -67,16 +81,35 @@ void check_names(const OutputPlan& plan, const std::vector<NamedPath>& others, c
   check_distinct(outputs, inputs);
 }
 
+namespace {
+
+/// Of one name: the formats asked for and the feature edges, or what the reader wants.
+std::vector<std::filesystem::path> write_chosen(const FilesChoice& choice, const FieldOutput& output,
+                                                const FeatureGraph* features, const std::filesystem::path& stem) {
+  if (choice.reader) return write_for(*choice.reader, output, features, stem);
+  const auto with = [&](const std::string& extension) {
+    return std::filesystem::path(stem.string() + "." + extension);
+  };
+  std::vector<std::filesystem::path> paths;
+  for (const std::string& f : chosen_formats(choice)) paths.push_back(with(f));
+  paths = write_field(output, paths);
+  if (features == nullptr) return paths;
+  paths.push_back(with("sharp"));
+  write_sharp(output.surface, *features, paths.back());
+  return paths;
+}
+
+}  // namespace
+
 void write_files(const OutputPlan& plan, const FilesChoice& choice, const FieldOutput& output,
+                 const FeatureGraph* features,
                  const std::function<std::vector<std::string>(const std::filesystem::path& folder)>& extra,
                  const std::function<const Json&(const std::vector<std::string>& files)>& finish) {
   std::vector<std::string> files;
   if (plan.kind == OutputPlan::Kind::folder) {
     write_folder(plan.target, [&](const std::filesystem::path& folder) {
       const auto add = [&](const std::filesystem::path& name) { files.push_back((plan.target / name).string()); };
-      std::vector<std::filesystem::path> paths;
-      for (const std::string& f : chosen_formats(choice)) paths.push_back(folder / ("field." + f));
-      for (const auto& path : write_field(output, paths)) add(path.filename());
+      for (const auto& path : write_chosen(choice, output, features, folder / "field")) add(path.filename());
       for (const std::string& name : extra(folder)) add(name);
       add("report.json");
       write_text(folder / "report.json", text_of(finish(files), 2) + "\n");

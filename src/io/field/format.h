@@ -28,6 +28,9 @@ class FieldJob {
   Field at_faces_;
 };
 
+/// Whether `name` is something, a dot and the extension; case does not matter.
+[[nodiscard]] bool has_extension(std::string_view name, std::string_view extension);
+
 /// Files with all of their bytes that do not have their names yet.
 using WrittenFiles = std::vector<std::unique_ptr<AtomicFile>>;
 [[nodiscard]] WrittenFiles open_files(const std::vector<std::filesystem::path>& paths);
@@ -48,6 +51,7 @@ struct OutputFormat {
   std::string_view extension;  ///< without the leading dot; where one ends with another, the longer comes first
   bool uses_faces;             ///< whether write() calls job.at_faces()
   WrittenFiles (*write)(const FieldJob& job, const Target& target);
+  bool only_on_request = false;  ///< not one of usual_field_formats()
 };
 
 extern const OutputFormat vertex_rawfield_format;
@@ -55,5 +59,11 @@ extern const OutputFormat rawfield_format;
 extern const OutputFormat rosy_format;
 extern const OutputFormat ply_field_format;
 extern const OutputFormat vtp_format;
+extern const OutputFormat csv_format;
+extern const OutputFormat vertex_csv_format;
+extern const OutputFormat npy_format;
+extern const OutputFormat vertex_npy_format;
+extern const OutputFormat dmat_format;
+extern const OutputFormat vertex_dmat_format;
 
 }  // namespace alcap::detail

@@ -22,20 +22,18 @@ const OutputFormat* const formats[] = {
     &rawfield_format,         //
     &rosy_format,             //
     &ply_field_format,        //
-    &vtp_format,
+    &vtp_format,              //
+    &vertex_csv_format,       //
+    &csv_format,              //
+    &vertex_npy_format,       //
+    &npy_format,              //
+    &vertex_dmat_format,      //
+    &dmat_format,
 };
 
 bool same_letter(char a, char b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   return lower(a) == lower(b);
-}
-
-// name = something + "." + extension
-bool has_extension(std::string_view name, std::string_view extension) {
-  if (name.size() < extension.size() + 2) return false;
-  const std::string_view end = name.substr(name.size() - extension.size());
-  return name[name.size() - extension.size() - 1] == '.' &&
-         std::equal(end.begin(), end.end(), extension.begin(), same_letter);
 }
 
 const OutputFormat* find_format(const std::filesystem::path& file) {
@@ -103,9 +101,20 @@ void check(const FieldOutput& out) {
 
 }  // namespace
 
+bool has_extension(std::string_view name, std::string_view extension) {
+  if (name.size() < extension.size() + 2) return false;
+  const std::string_view end = name.substr(name.size() - extension.size());
+  return name[name.size() - extension.size() - 1] == '.' &&
+         std::equal(end.begin(), end.end(), extension.begin(), same_letter);
+}
+
 FieldJob::FieldJob(const FieldOutput& output, bool with_faces) : out(output) {
   if (!with_faces) return;
   at_faces_ = alcap::at_faces(out.surface, out.field);
+  if (!out.unit) return;
+  at_faces_ = normalised(std::move(at_faces_));
+  for (Index t = 0; t < out.surface.mesh().faces(); ++t)
+    if (at_faces_.u[t] == Complex<double>(0)) at_faces_.u[t] = 1;
 }
 
 WrittenFiles open_files(const std::vector<std::filesystem::path>& paths) {
@@ -174,6 +183,13 @@ std::vector<std::filesystem::path> write_field(const FieldOutput& output, const 
 std::vector<std::string> field_formats() {
   std::vector<std::string> names;
   for (const detail::OutputFormat* f : detail::formats) names.emplace_back(f->extension);
+  return names;
+}
+
+std::vector<std::string> usual_field_formats() {
+  std::vector<std::string> names;
+  for (const detail::OutputFormat* f : detail::formats)
+    if (!f->only_on_request) names.emplace_back(f->extension);
   return names;
 }
 

@@ -14,6 +14,7 @@
 
 #include "src/base/atomic_file.h"
 #include "src/base/bytes.h"
+#include "src/base/npy.h"
 #include "src/base/shortest.h"
 
 namespace alcap {
@@ -119,7 +120,7 @@ class Zip {
   /// same ones each time: first for the checksum, then for the file.
   template <class Fill>
   void add_array(const std::string& name, const std::string& type, const std::string& shape, Fill&& fill) {
-    const std::string head = npy_head(type, shape);
+    const std::string head = detail::npy_head(type, shape);
     Crc crc;
     std::uint64_t size = 0;
     const auto count = [&](std::string_view bytes) {
@@ -165,16 +166,6 @@ class Zip {
   static constexpr auto little = std::endian::little;
   static constexpr std::uint64_t none = std::numeric_limits<std::uint32_t>::max() - (1U << 16U);
   static constexpr std::uint16_t version = 20;
-
-  static std::string npy_head(const std::string& type, const std::string& shape) {
-    std::string text = "{'descr': '" + type + "', 'fortran_order': False, 'shape': " + shape + ", }";
-    constexpr std::size_t fixed = 10, alignment = 64;
-    while ((fixed + text.size() + 1) % alignment != 0) text += ' ';
-    text += '\n';
-    std::string head("\x93NUMPY\x01\x00", 8);
-    append<little>(head, static_cast<std::uint16_t>(text.size()));
-    return head + text;
-  }
 
   /// What a member's own head and its line in the directory have in common; the time is the oldest there is.
   static std::string shared_head(std::uint32_t crc, std::uint32_t size, const std::string& name) {
