@@ -16,6 +16,8 @@ build_packages=(g++ cmake ninja-build libeigen3-dev libtbb-dev libsuitesparse-de
 # Of the Python package and its tests.
 python_packages=(python3-dev pybind11-dev python3-pybind11 python3-numpy python3-scipy python3-matplotlib python3-pip
   python3-venv python3-pytest mypy)
+# Without them the notebooks run in the tests as plain Python.
+notebook_packages=(jupyter-nbconvert python3-ipykernel)
 
 say() { printf '\n== %s\n' "$*"; }
 die() {

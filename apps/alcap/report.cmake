@@ -2,7 +2,7 @@
 #
 # Results as JSON and as a page: what the command line and the Python package both show. Included by the top folder.
 alcap_package(libfmt-dev fmt QUIET)
-file(GLOB alcap_report_sources CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} apps/alcap/page/*.cpp)
+file(GLOB alcap_report_sources CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} apps/alcap/page/*.cpp apps/alcap/tables/*.cpp)
 add_library(alcap_report STATIC apps/alcap/report/report.cpp apps/alcap/report/design_report.cpp apps/alcap/report/flags.cpp
   ${alcap_report_sources})
 alcap_private_flags(alcap_report)

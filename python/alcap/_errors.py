@@ -7,6 +7,10 @@ from typing import Sequence
 # What messages of the library name, and what does it in Python.
 _WORDS = (
     ('Repair::weld', "repairs=['weld']"),
+    ('Repair::degenerate', "repairs=['degenerate']"),
+    ('Repair::duplicates', "repairs=['duplicates']"),
+    ('Repair::split', "repairs=['split']"),
+    ('Repair::automatic', "repairs=['auto']"),
     ('Repair::orient', "repairs=['orient']"),
     ('repair_weld()', 'alcap.repair_weld'),
     ('repair_orientation()', 'alcap.repair_orientation'),
@@ -14,6 +18,8 @@ _WORDS = (
     ('EigenOptions::tolerance', 'tolerance'),
     ('EigenOptions::prove_smallest', 'prove_smallest'),
     ('GlobalOptions::detail', 'detail'),
+    ('GlobalOptions::max_iterations', 'connection_iterations'),
+    ('GlobalOptions::tolerance', 'connection_tolerance'),
     ('DesignRunOptions::solver', 'solver'),
 )
 

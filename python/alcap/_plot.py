@@ -12,7 +12,7 @@ from . import _alcap
 if TYPE_CHECKING:  # pragma: no cover
     from matplotlib.figure import Figure
 
-    from ._run import _RunBase
+    from ._run import Run
 
 
 def _camera(view: Sequence[float]) -> npt.NDArray[np.float64]:
@@ -25,7 +25,7 @@ def _camera(view: Sequence[float]) -> npt.NDArray[np.float64]:
     return np.stack([right, np.cross(out, right), out])
 
 
-def draw(run: '_RunBase', ax: Any, view: Sequence[float], arrows: int, length: Optional[float]) -> 'Figure':
+def draw(run: 'Run', ax: Any, view: Sequence[float], arrows: int, length: Optional[float]) -> 'Figure':
     """See FieldRun.plot()."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection, PolyCollection

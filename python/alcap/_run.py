@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Whole runs: fields and designs with their certificates, and how they are looked at."""
+"""What whole runs of fields and of designs have in common: results, report, files, pictures."""
 from __future__ import annotations
 
 import html
@@ -13,33 +13,14 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _alcap
-from ._alcap import ConnectedSurface, Field, Frames, Surface
+from ._alcap import ConnectedSurface, Field, Frames
 from ._errors import Error, OptionError, in_python
-from ._types import Progress
 
 if TYPE_CHECKING:  # pragma: no cover
     from matplotlib.figure import Figure
 
-_CONNECTION = ('connection', 'detail', 'length_factor', 'tan_cap', 'cones', 'balance_cones', 'generator_holonomy',
-               'loop_index', 'target', 'spread')
-_EIGEN = ('tolerance', 'solver', 'method', 'max_iterations', 'seed', 'prove_smallest')
 
-
-def _given(**options: Any) -> Dict[str, Any]:
-    """The options that are not None."""
-    return {name: value for name, value in options.items() if value is not None}
-
-
-def _split(options: Mapping[str, Any]) -> Tuple[Dict[str, Any], Dict[str, Any]]:
-    """Options of the connection, options of the eigensolver."""
-    for name in options:
-        if name not in _CONNECTION + _EIGEN:
-            raise TypeError(f'unexpected option {name!r}; known are {", ".join(_CONNECTION + _EIGEN)}')
-    return ({k: v for k, v in options.items() if k in _CONNECTION and v is not None},
-            {k: v for k, v in options.items() if k in _EIGEN and v is not None})
-
-
-class _RunBase:
+class Run:
     """What runs of fields and of designs have in common."""
 
     def __init__(self, run: Any) -> None:
@@ -134,7 +115,7 @@ class _RunBase:
         return self._report
 
     def write(self, *files: Union[str, 'os.PathLike[str]'],
-              face_scalars: Optional[Mapping[str, npt.ArrayLike]] = None) -> List[str]:
+              face_scalars: Optional[Mapping[str, npt.ArrayLike]] = None, unit: bool = False) -> List[str]:
         """Writes the field, in the formats of the extensions.
 
         Parameters
@@ -143,6 +124,8 @@ class _RunBase:
             Names that end with one of field_formats().
         face_scalars : dict of (#F,) arrays, optional
             Numbers per face that go into .vtp files by name.
+        unit : bool
+            Of a run with normalise=True: what is written per face has length 1 as well.
 
         Returns
         -------
@@ -154,7 +137,15 @@ class _RunBase:
         FileError
         """
         return _alcap.write_field(self.connection, self.field, self.singularities, [os.fspath(f) for f in files],
-                                  dict(face_scalars or {}), None)
+                                  dict(face_scalars or {}), unit, None)
+
+    def write_for(self, reader: str, stem: Union[str, 'os.PathLike[str]']) -> List[str]:
+        """Everything that `reader`, 'quadwild' or 'directional', goes on from, as STEM.obj, ...; see write_for()."""
+        return _alcap.write_for(reader, self.connection, self.field, self.singularities, self._feature_graph(),
+                                os.fspath(stem))
+
+    def _feature_graph(self) -> Any:
+        return None
 
     def page(self, title: str = 'field') -> str:
         """The page that shows the field in any browser: one HTML text that needs no network.
@@ -261,194 +252,3 @@ def _optional(name: str) -> Any:
         return importlib.import_module(name)
     except ImportError as error:
         raise ImportError(f'this needs {name}: pip install {name}') from error
-
-
-class FieldRun(_RunBase):
-    """A smoothest field with everything that was computed on the way, see smoothest_field()."""
-
-
-class DesignRun(_RunBase):
-    """A designed field with what became of every control, see design_field()."""
-
-    @property
-    def design(self) -> Dict[str, Any]:
-        """The design that was solved: placed on this mesh, with the cones that balancing added."""
-        return json.loads(self._run.design_json)
-
-    @property
-    def controls(self) -> List[Dict[str, Any]]:
-        """What was asked and what came of it: path, name, type, asked, achieved, error_degrees, met."""
-        return self.report['controls']
-
-    @property
-    def controls_met(self) -> bool:
-        """Whether every control was met."""
-        return all(control['met'] for control in self.controls)
-
-
-def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: bool = False,
-                    progress: Progress = None, threads: int = 0, **options: Any) -> FieldRun:
-    """The smoothest n-vector field of a surface, with singularities and certificate.
-
-    Parameters
-    ----------
-    surface : Surface
-        A connection is made for it, as `options` say.
-    n : int
-        1 vectors, 2 lines, 4 crosses, 6 hexagons.
-    s : float
-        Energy family in [-1, 1] (Knoeppel et al. 2013); 0 is the Dirichlet energy.
-    normalise : bool
-        Divide by |u| afterwards.
-    progress : callable(phase, fraction), optional
-        Called on this thread; what it raises ends the call. See progress_bar().
-    threads : int
-        The most threads; 0: all. Results do not depend on it.
-    **options
-        Of the connection: connection, detail, length_factor, tan_cap, cones, balance_cones, generator_holonomy,
-        loop_index, see connect(). Of the eigensolver: tolerance (1e-8), solver, method, max_iterations (1000), seed,
-        prove_smallest.
-
-    Returns
-    -------
-    FieldRun
-
-    Raises
-    ------
-    OptionError, SolveError
-    KeyboardInterrupt
-        Ctrl-C; within a tenth of a second, but for a factorisation that has begun.
-    """
-    connection, eigen = _split(options)
-    if isinstance(surface, ConnectedSurface):
-        raise TypeError('smoothest_field makes the connection itself: pass the Surface and connection=..., or use '
-                        'eigen_design for the smoothest field of a ConnectedSurface')
-    how = {'n': n, 's': s, 'normalise': normalise, 'repairs': []}
-    return FieldRun(_alcap.run_field(surface, how, connection, eigen, progress, threads))
-
-
-def run_field(V: npt.ArrayLike, F: npt.ArrayLike, n: int = 4, *, repairs: Sequence[str] = (), s: float = 0.0,
-              normalise: bool = False, progress: Progress = None, threads: int = 0, **options: Any) -> FieldRun:
-    """smoothest_field() of arrays, after repairs.
-
-    Parameters
-    ----------
-    V : (#V, 3) array of float64 or float32
-    F : (#F, 3) array of integers
-    repairs : sequence of str
-        'weld' joins vertices at equal positions, 'orient' turns faces until neighbours agree. Vertices keep their
-        numbers.
-
-    Returns
-    -------
-    FieldRun
-
-    Raises
-    ------
-    MeshError
-        The mesh cannot be used; names the elements.
-    """
-    connection, eigen = _split(options)
-    how = {'n': n, 's': s, 'normalise': normalise, 'repairs': list(repairs)}
-    return FieldRun(_alcap.run_field_arrays(V, F, how, connection, eigen, progress, threads))
-
-
-def run_batch(meshes: Sequence[Any], n: int = 4, *, jobs: int = 0, repairs: Sequence[str] = (), s: float = 0.0,
-              normalise: bool = False, progress: Progress = None, errors: str = 'raise',
-              **options: Any) -> List[Union[FieldRun, Exception]]:
-    """The smoothest fields of many meshes, each on one thread, on all cores.
-
-    Parameters
-    ----------
-    meshes : sequence of Surface or (V, F)
-    jobs : int
-        Meshes at a time; 0: one per core.
-    errors : str
-        'raise' raises the first error when all meshes are done; 'return' puts it in the place of the run.
-
-    Returns
-    -------
-    list of FieldRun
-        In the order of the meshes, the same to the last bit as one after the other.
-    """
-    if errors not in ('raise', 'return'):
-        raise OptionError(f"option 'errors' = {errors}: must be 'raise' or 'return'", 'errors', errors,
-                          "must be 'raise' or 'return'")
-    connection, eigen = _split(options)
-    how = {'n': n, 's': s, 'normalise': normalise, 'repairs': list(repairs)}
-    out: List[Union[FieldRun, Exception]] = []
-    for run in _alcap.run_batch(list(meshes), how, connection, eigen, jobs, progress):
-        if callable(run):
-            try:
-                run()
-            except Exception as error:
-                if errors == 'raise':
-                    raise
-                out.append(error)
-        else:
-            out.append(FieldRun(run))
-    return out
-
-
-def _design_text(design: Any) -> Tuple[str, str]:
-    """JSON of a design and the folder that its files are relative to."""
-    if isinstance(design, Mapping):
-        return json.dumps({'alcap_design': 1, **design}), ''
-    path = os.fspath(design)
-    with open(path, encoding='utf-8') as file:
-        return file.read(), os.path.dirname(os.path.abspath(path))
-
-
-def design_field(surface: Surface, design: Union[Mapping[str, Any], str, 'os.PathLike[str]'], *, solver: str = 'auto',
-                 residual: float = 1e-8, normalise: bool = False, progress: Progress = None,
-                 threads: int = 0) -> DesignRun:
-    """The field that has what a design asks for.
-
-    Parameters
-    ----------
-    surface : Surface
-    design : dict or path
-        As docs/design.md describes; a path of its JSON file.
-    residual : float
-        Relative residual that the certificate accepts.
-
-    Returns
-    -------
-    DesignRun
-
-    Raises
-    ------
-    OptionError
-        Its `field` is the JSON path of what is wrong.
-    """
-    text, folder = _design_text(design)
-    return DesignRun(_alcap.run_design(surface, text, folder, solver, residual, normalise, progress, threads))
-
-
-class DesignSession:
-    """Designs on one surface, one after the other; what an edit leaves as it was is kept.
-
-    Parameters
-    ----------
-    surface : Surface
-    solver, residual, normalise, progress, threads
-        As of design_field(), for every solve.
-    """
-
-    def __init__(self, surface: Surface, *, solver: str = 'auto', residual: float = 1e-8, normalise: bool = False,
-                 progress: Progress = None, threads: int = 0) -> None:
-        self._session = _alcap.DesignSession(surface, solver, residual, normalise, progress, threads)
-
-    def solve(self, design: Union[Mapping[str, Any], str, 'os.PathLike[str]']) -> DesignRun:
-        """As design_field(); after an exception the session can be used again."""
-        return DesignRun(self._session.solve(*_design_text(design)))
-
-
-def read_design(path: Union[str, 'os.PathLike[str]']) -> Dict[str, Any]:
-    """A design from its JSON file, checked. Raises FileError naming the line or the JSON path."""
-    return json.loads(_alcap.read_design(os.fspath(path)))
-
-
-def write_design(path: Union[str, 'os.PathLike[str]'], design: Mapping[str, Any]) -> None:
-    """Writes a design so that reading it gives the same design."""
-    _alcap.write_design(os.fspath(path), _design_text(design)[0])

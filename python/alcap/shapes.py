@@ -27,6 +27,26 @@ def icosphere(level: int) -> Mesh:
     return _alcap.icosphere(level)
 
 
+def single_triangle() -> Mesh:
+    """(0, 0, 0), (1, 0, 0), (0, 1, 0)."""
+    return _alcap.single_triangle()
+
+
+def fan(count: int) -> Mesh:
+    """A vertex of valence `count` in a ring of faces on the unit disk."""
+    return _alcap.fan(count)
+
+
+def jittered_sphere(level: int, amount: float = 0.2, seed: int = 1) -> Mesh:
+    """An icosphere whose vertices are moved along it, by up to `amount` mean edge lengths."""
+    return _alcap.jittered_sphere(level, amount, seed)
+
+
+def torus_random_diagonals(nu: int, nv: int, R: float = 1.0, r: float = 0.4, seed: int = 1) -> Mesh:
+    """The torus with each quad split along a random one of its diagonals: valences 4 to 8."""
+    return _alcap.torus_random_diagonals(nu, nv, R, r, seed)
+
+
 def bumpy_sphere(level: int, amplitude: float, frequency: float) -> Mesh:
     """An icosphere with waves."""
     return _alcap.bumpy_sphere(level, amplitude, frequency)

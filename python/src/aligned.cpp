@@ -4,14 +4,18 @@
 #include "alcap/aligned.h"
 
 #include "alcap/connected_surface.h"
-#include "python/src/arrays.h"
+#include "alcap/output.h"
+#include "alcap/sizing.h"
 #include "python/src/bindings.h"
+#include "python/src/features.h"
 #include "python/src/long_call.h"
 
 namespace alcap::python {
 namespace {
 
 constexpr std::array vertex_kinds{"smooth", "end", "crease", "corner"};
+
+}  // namespace
 
 py::dict graph_dict(const FeatureGraph& graph) {
   py::list lines, vertices;
@@ -27,7 +31,6 @@ py::dict graph_dict(const FeatureGraph& graph) {
   return d;
 }
 
-/// Of a FeatureGraph of Python.
 FeatureGraph graph_of(const py::object& graph) {
   FeatureGraph out;
   out.edges = indices_of(graph.attr("edges"), "edges");
@@ -45,7 +48,7 @@ FeatureGraph graph_of(const py::object& graph) {
   return out;
 }
 
-py::list pieces(const std::vector<AlignedPiece>& list) {
+py::list pieces_list(const std::vector<AlignedPiece>& list) {
   py::list out;
   for (const AlignedPiece& piece : list) {
     py::list steps;
@@ -64,6 +67,8 @@ py::list pieces(const std::vector<AlignedPiece>& list) {
   return out;
 }
 
+namespace {
+
 py::dict deviation(const LineDeviation& line) {
   py::dict d;
   d["edges"] = line.edges;
@@ -76,6 +81,30 @@ py::dict deviation(const LineDeviation& line) {
   d["singularities"] = line.singularities;
   return d;
 }
+
+}  // namespace
+
+py::dict deviations_dict(const FeatureReport& report) {
+  py::list lines;
+  for (const LineDeviation& line : report.lines) lines.append(deviation(line));
+  py::dict d;
+  d["lines"] = lines;
+  d["all"] = deviation(report.all);
+  d["singularities_at_corners"] = report.singularities_at_corners;
+  return d;
+}
+
+SharpEdgeOptions sharp_options(const py::dict& d) {
+  return {.angle = d["angle"].cast<double>(),
+          .corner_angle = d["corner_angle"].cast<double>(),
+          .boundary = d["boundary"].cast<bool>(),
+          .creases = d["creases"].cast<bool>(),
+          .low_angle = d["low_angle"].cast<double>(),
+          .gap = d["gap"].cast<double>(),
+          .spur = d["spur"].cast<double>()};
+}
+
+namespace {
 
 AlignedOptions options_of(const py::dict& d) {
   AlignedOptions out{.n = d["n"].cast<int>(),
@@ -94,8 +123,29 @@ AlignedOptions options_of(const py::dict& d) {
 }  // namespace
 
 void bind_aligned(py::module_& m) {
-  m.def("sharp_edges", [](const Surface& s, double angle, double corner_angle, bool boundary) {
-    return graph_dict(sharp_edges(s, {.angle = angle, .corner_angle = corner_angle, .boundary = boundary}));
+  m.def("sharp_edges",
+        [](const Surface& s, const py::dict& options) { return graph_dict(sharp_edges(s, sharp_options(options))); });
+  m.def("edges_between",
+        [](const Surface& s, const py::object& list) { return moved(edges_between(s, pairs_of(list, "pairs"))); });
+  m.def("read_sharp", [](const std::string& path, const py::object& F) {
+    auto pairs = read_sharp(faces_of(F), path);
+    const auto rows = static_cast<py::ssize_t>(pairs.size());
+    std::vector<Index> flat;
+    for (const auto& pair : pairs) flat.insert(flat.end(), pair.begin(), pair.end());
+    return moved(std::move(flat), {rows, 2});
+  });
+  m.def("write_sharp", [](const Surface& s, const py::object& features, const std::string& path) {
+    const FeatureGraph graph = graph_of(features);
+    long_call(py::none(), 0, [&] { write_sharp(s, graph, path); });
+  });
+  m.def("target_edge_lengths", [](const Surface& s, const py::object& features, const py::dict& d) {
+    const FeatureGraph graph = graph_of(features);
+    const SizingOptions options{.error = d["error"].cast<double>(),
+                                .smallest = d["smallest"].cast<double>(),
+                                .largest = d["largest"].cast<double>(),
+                                .growth = d["growth"].cast<double>(),
+                                .rings = d["rings"].cast<int>()};
+    return moved(watched(py::none(), 0, [&] { return target_edge_lengths(s, graph, options); }));
   });
   m.def("feature_graph", [](const Surface& s, const py::object& list, double corner_angle) {
     return graph_dict(feature_graph(s, indices_of(list, "edges"), corner_angle));
@@ -105,18 +155,11 @@ void bind_aligned(py::module_& m) {
     const FeatureGraph graph = graph_of(features);
     const AlignedOptions how = options_of(options);
     AlignedResult r = watched(progress, threads, [&] { return aligned_field(s, graph, how); });
-    return py::make_tuple(std::make_shared<Field>(std::move(r.field)), pieces(r.pieces),
+    return py::make_tuple(std::make_shared<Field>(std::move(r.field)), pieces_list(r.pieces),
                           moved(std::move(r.free_corners)), r.fixed_degrees);
   });
   m.def("measure_features", [](const ConnectedSurface& s, const Field& field, const py::object& features, bool across) {
-    const FeatureReport r = measure_features(s, field, graph_of(features), find_singularities(s, field), across);
-    py::list lines;
-    for (const LineDeviation& line : r.lines) lines.append(deviation(line));
-    py::dict d;
-    d["lines"] = lines;
-    d["all"] = deviation(r.all);
-    d["singularities_at_corners"] = r.singularities_at_corners;
-    return d;
+    return deviations_dict(measure_features(s, field, graph_of(features), find_singularities(s, field), across));
   });
 }
 

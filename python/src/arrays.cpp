@@ -126,4 +126,19 @@ SparseMatrix<Complex<double>> sparse_of(const py::tuple& parts, const char* name
   return Eigen::Map<const SparseMatrix<C>>(n, n, data.size(), outer.data(), inner.data(), data.data());
 }
 
+py::array moved_faces(Faces rows) {
+  const py::ssize_t count = rows.rows();
+  return moved(std::move(rows), {count, 3});
+}
+
+std::vector<std::array<Index, 2>> pairs_of(const py::object& values, const char* name) {
+  const auto flat = py::array::ensure(values);
+  if (!flat || flat.ndim() != 2 || flat.shape(1) != 2)
+    throw OptionError(name, py::str(py::type::of(values)).cast<std::string>(), "must be an array of shape (k, 2)");
+  const std::vector<Index> list = indices_of(flat.attr("ravel")(), name);
+  std::vector<std::array<Index, 2>> out(list.size() / 2);
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = {list[2 * k], list[2 * k + 1]};
+  return out;
+}
+
 }  // namespace alcap::python

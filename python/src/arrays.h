@@ -8,6 +8,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <memory>
 #include <string>
 #include <utility>
@@ -70,6 +71,11 @@ template <class Array>
 [[nodiscard]] VectorX<double> reals_of(const py::object& values, const char* name, std::int64_t count = -1);
 /// (count,) of integers.
 [[nodiscard]] std::vector<Index> indices_of(const py::object& values, const char* name, std::int64_t count = -1);
+
+/// (k, 2) of integers.
+[[nodiscard]] std::vector<std::array<Index, 2>> pairs_of(const py::object& values, const char* name);
+/// #rows x 3, and the array that faces become.
+[[nodiscard]] py::array moved_faces(Faces rows);
 
 /// (data, indices, indptr) of a compressed matrix, without a copy.
 template <class Matrix>

@@ -8,7 +8,8 @@
 #define ALCAP_BINDINGS(X) \
   X(errors)               \
   X(surface)              \
-  X(shapes) X(connection) X(field) X(operators) X(solve) X(backends) X(curves) X(design) X(aligned) X(io) X(run)
+  X(shapes)               \
+  X(connection) X(field) X(operators) X(solve) X(backends) X(curves) X(design) X(aligned) X(io) X(run) X(tables)
 
 namespace alcap::python {
 

@@ -4,11 +4,13 @@
 #include "alcap/connection.h"
 
 #include "alcap/cones.h"
+#include "alcap/streamlines.h"
 #include "alcap/transport.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
 #include "python/src/long_call.h"
 #include "python/src/options.h"
+#include "python/src/points.h"
 
 namespace alcap::python {
 
@@ -70,6 +72,10 @@ ConnectionOptions connection_of(const py::dict& d) {
       out.global.length_factor = named<LengthFactor>(value.cast<std::string>(), "length_factor");
     } else if (name == "tan_cap") {
       out.global.tan_cap = value.cast<double>();
+    } else if (name == "connection_tolerance") {
+      out.global.tolerance = value.cast<double>();
+    } else if (name == "connection_iterations") {
+      out.global.max_iterations = value.cast<int>();
     } else if (name == "cones") {
       out.cones = cones_of(object);
     } else if (name == "balance_cones") {
@@ -229,6 +235,14 @@ void bind_connection(py::module_& m) {
   m.def("transport_along_vertices", [](const ConnectedSurface& s, const py::object& path, Complex<double> z, int n) {
     return transported(transport(s, indices_of(path, "vertices"), z, n));
   });
+  m.def("transport_along_curve",
+        [](const ConnectedSurface& s, const CurveSet& curves, std::int64_t k, Complex<double> z, int n) {
+          if (k < 0 || k >= curves.size()) throw OptionError("k", k, "is no curve of the set");
+          return transported(transport(s, curves.path(k), z, n));
+        });
+  m.def("transport_along_points",
+        [](const ConnectedSurface& s, const py::object& faces, const py::object& barycentric, Complex<double> z,
+           int n) { return transported(transport(s, points_of(faces, barycentric), z, n)); });
   m.def("transport_along_line", [](const ConnectedSurface& s, const SurfacePolyline& path, Complex<double> z, int n) {
     return transported(transport(s, path, z, n));
   });

@@ -96,8 +96,8 @@ void bind_field(py::module_& m) {
   bind_indices(m);
   m.def("at_faces", [](const ConnectedSurface& s, const Field& f) { return handle(at_faces(s, f)); });
   m.def("at_vertices", [](const ConnectedSurface& s, const Field& f) { return handle(at_vertices(s, f)); });
-  m.def("curvature_field", [](const ConnectedSurface& s, int n, bool smallest, int rings) {
-    return handle(curvature_field(s, {.n = n, .smallest = smallest, .rings = rings}));
+  m.def("curvature_field", [](const ConnectedSurface& s, int n, bool smallest, bool by_magnitude, int rings) {
+    return handle(curvature_field(s, {.n = n, .smallest = smallest, .by_magnitude = by_magnitude, .rings = rings}));
   });
   m.def("root_mean_square", [](const Surface& s, const py::object& u) {
     return root_mean_square(s, complex_of(u, "u", s.mesh().vertices()));

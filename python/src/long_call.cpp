@@ -5,9 +5,15 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
+
+#ifndef _WIN32
+#include <unistd.h>
+#endif
 
 #include "alcap/control.h"
 
@@ -72,6 +78,89 @@ class Conversation {
   std::atomic<bool> stop_{false};
 };
 
+/// A thread that waits for work. Each calling thread keeps one: to start a thread for every call costs little where
+/// cores are free, and several milliseconds where they are not, because the system lets new threads wait their turn.
+class Helper {
+ public:
+  Helper() : thread_([this] { run(); }) {}
+  Helper(const Helper&) = delete;
+  Helper& operator=(const Helper&) = delete;
+  ~Helper() {
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = true;
+    }
+    changed_.notify_one();
+    thread_.join();
+  }
+  void start(std::function<void()> work) {
+    {
+      const std::lock_guard lock(mutex_);
+      work_ = std::move(work);
+    }
+    changed_.notify_one();
+  }
+
+ private:
+  void run() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return ended_ || work_; });
+      if (!work_) return;
+      const std::function<void()> work = std::exchange(work_, nullptr);
+      lock.unlock();
+      work();
+      lock.lock();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::function<void()> work_;
+  bool ended_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+/// The helper of this thread, taken for a call and given back. A call within a call (from `progress`) gets another one.
+/// After a fork the child's threads are gone, and so is what it inherited: that helper is left alone.
+class Borrowed {
+ public:
+  Borrowed() : helper_(std::move(kept().helper)) {
+    if (helper_ && kept().process != this_process()) static_cast<void>(helper_.release());
+    if (!helper_) helper_ = std::make_unique<Helper>();
+  }
+  Borrowed(const Borrowed&) = delete;
+  Borrowed& operator=(const Borrowed&) = delete;
+  ~Borrowed() {
+    if (kept().helper) return;
+    kept().helper = std::move(helper_);
+    kept().process = this_process();
+  }
+  Helper* operator->() const { return helper_.get(); }
+
+ private:
+  struct Kept {
+    std::unique_ptr<Helper> helper;
+    long process = 0;
+    ~Kept() {
+      if (helper && process != this_process()) static_cast<void>(helper.release());
+    }
+  };
+  static Kept& kept() {
+    thread_local Kept mine;
+    return mine;
+  }
+  static long this_process() {
+#ifdef _WIN32
+    return 0;  // no fork
+#else
+    return static_cast<long>(::getpid());
+#endif
+  }
+
+  std::unique_ptr<Helper> helper_;
+};
+
 }  // namespace
 
 void long_call(const py::object& progress, int threads, const std::function<void()>& body) {
@@ -80,18 +169,18 @@ void long_call(const py::object& progress, int threads, const std::function<void
   if (!progress.is_none())
     control.progress = [&](std::string_view phase, double fraction) { talk.tell(phase, fraction); };
   std::exception_ptr failed, raised;
-  std::thread worker([&] {
-    try {
-      controlled(control, body);
-    } catch (...) {
-      failed = std::current_exception();
-    }
-    talk.finish();
-  });
   {
     const py::gil_scoped_release released;
+    const Borrowed helper;
+    helper->start([&] {
+      try {
+        controlled(control, body);
+      } catch (...) {
+        failed = std::current_exception();
+      }
+      talk.finish();  // the last thing that touches this call's variables
+    });
     raised = talk.wait(progress);
-    worker.join();
   }
   if (raised) std::rethrow_exception(raised);
   if (failed) std::rethrow_exception(failed);

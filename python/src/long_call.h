@@ -2,9 +2,10 @@
 //
 // long_call.h: how Python watches and stops the library.
 //
-// The work runs on a thread of its own without the interpreter's lock, while the calling thread waits: there it handles
-// signals, so that Ctrl-C ends the work within a tenth of a second with KeyboardInterrupt, and there it calls
-// `progress`. What either raises ends the call. The work must not touch Python objects.
+// The work runs without the interpreter's lock on a second thread, which each calling thread keeps, while the calling
+// thread waits: there it handles signals, so that Ctrl-C ends the work within a tenth of a second with
+// KeyboardInterrupt, and there it calls `progress`. What either raises ends the call. The work must not touch Python
+// objects.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -5,6 +5,7 @@
 
 #include "alcap/connected_surface.h"
 #include "alcap/energies.h"
+#include "alcap/matrix_file.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
 #include "python/src/long_call.h"
@@ -28,6 +29,11 @@ void bind_operators(py::module_& m) {
     const OperatorOptions options{.n = n, .kind = named<OperatorKind>(kind, "kind")};
     const auto built = watched(py::none(), 0, [&] { return first_order_operators(s, options); });
     return py::make_tuple(sparse(face_vertex_matrix(s.mesh(), built.p)), sparse(face_vertex_matrix(s.mesh(), built.q)));
+  });
+  m.def("write_matrix", [](const std::string& path, const py::tuple& A, const std::string& format) {
+    const auto matrix = sparse_of(A, "A");
+    const auto how = named<MatrixFormat>(format, "format");
+    long_call(py::none(), 0, [&] { write_matrix(path, matrix, how); });
   });
   m.def("edge_value", [](const ConnectedSurface& s, int n, const py::object& u, Index h, double fraction) {
     if (!(fraction >= 0 && fraction <= 1)) throw OptionError("s", fraction, "must be in [0, 1]");

@@ -19,6 +19,9 @@ namespace alcap::python {
 [[nodiscard]] py::dict eigen_dict(const EigenReport& report);
 [[nodiscard]] py::dict solve_dict(const SolveReport& report);
 
+/// (eigenvalues, U, report).
+[[nodiscard]] py::tuple modes_tuple(EigenModes modes);
+
 /// (vertex, index) pairs.
 [[nodiscard]] std::vector<Cone> cones_of(const py::object& list);
 [[nodiscard]] py::list cones_list(const std::vector<Cone>& cones);

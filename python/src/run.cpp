@@ -12,6 +12,7 @@
 #include "apps/alcap/report/report.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
+#include "python/src/features.h"
 #include "python/src/long_call.h"
 #include "python/src/options.h"
 #include "python/src/singularity_array.h"
@@ -29,6 +30,16 @@ struct Designed {
   DesignFile asked;
 };
 
+FieldAlignment alignment_of(const py::dict& d) {
+  FieldAlignment out{.features = sharp_options(d),
+                     .edges = {},
+                     .across = d["across"].cast<bool>(),
+                     .weight = d["weight"].cast<double>(),
+                     .max_steps = d["max_steps"].cast<int>()};
+  if (!d["edges"].is_none()) out.edges = pairs_of(d["edges"].cast<py::object>(), "edges");
+  return out;
+}
+
 FieldRunOptions options_of(const py::dict& d, const py::dict& connection, const py::dict& eigen) {
   FieldRunOptions out{.n = d["n"].cast<int>(),
                       .s = d["s"].cast<double>(),
@@ -36,6 +47,9 @@ FieldRunOptions options_of(const py::dict& d, const py::dict& connection, const 
                       .eigen = eigen_of(eigen),
                       .normalise = d["normalise"].cast<bool>()};
   for (const py::handle h : d["repairs"]) out.repairs.push_back(named<Repair>(h.cast<std::string>(), "repairs"));
+  out.weld_tolerance = d["weld_tolerance"].cast<double>();
+  out.modes = d["modes"].cast<int>();
+  if (!d["align"].is_none()) out.align = alignment_of(d["align"].cast<py::dict>());
   return out;
 }
 
@@ -192,6 +206,20 @@ DesignRunOptions design_options(const std::string& solver, double residual, bool
 void bind_run(py::module_& m) {
   py::class_<Run> field_run(m, "FieldRun");
   bind_common(field_run);
+  field_run.def_property_readonly("features", [](const Run& r) -> py::object {
+    if (!r.run.features) return py::none();
+    const FieldFeatures& f = *r.run.features;
+    py::dict d;
+    d["graph"] = graph_dict(f.graph);
+    d["pieces"] = pieces_list(f.pieces);
+    d["free_corners"] = moved(std::vector<Index>(f.free_corners));
+    d["report"] = deviations_dict(f.report);
+    d["followed"] = f.followed;
+    return d;
+  });
+  field_run.def_property_readonly("modes", [](const Run& r) { return modes_tuple(EigenModes(r.run.modes)); });
+  field_run.def_property_readonly("copies_of", [](const Run& r) { return moved(std::vector<Index>(r.run.copies_of)); });
+  field_run.def_property_readonly("face_of", [](const Run& r) { return moved(std::vector<Index>(r.run.face_of)); });
   py::class_<Designed> design_run(m, "DesignRun");
   bind_common(design_run);
   design_run.def_property_readonly("design_json", [](const Designed& d) { return design_text(d.run.design); });

@@ -8,10 +8,7 @@
 namespace alcap::python {
 namespace {
 
-py::tuple pair(MeshData mesh) {
-  const py::ssize_t faces = mesh.F.rows();
-  return py::make_tuple(moved_rows(std::move(mesh.V)), moved(std::move(mesh.F), {faces, 3}));
-}
+py::tuple pair(MeshData mesh) { return py::make_tuple(moved_rows(std::move(mesh.V)), moved_faces(std::move(mesh.F))); }
 
 }  // namespace
 
@@ -21,6 +18,13 @@ void bind_shapes(py::module_& m) {
   m.def("icosphere", [](int level) { return pair(icosphere(level)); });
   m.def("bumpy_sphere", [](int level, double a, double f) { return pair(bumpy_sphere(level, a, f)); });
   m.def("noisy_scan", [](int level, double noise, std::uint64_t seed) { return pair(noisy_scan(level, noise, seed)); });
+  m.def("single_triangle", [] { return pair(single_triangle()); });
+  m.def("fan", [](int count) { return pair(fan(count)); });
+  m.def("jittered_sphere",
+        [](int level, double amount, std::uint64_t seed) { return pair(jittered_sphere(level, amount, seed)); });
+  m.def("torus_random_diagonals", [](int nu, int nv, double R, double r, std::uint64_t seed) {
+    return pair(torus_random_diagonals(nu, nv, R, r, seed));
+  });
   m.def("torus", [](int nu, int nv, double R, double r) { return pair(torus(nu, nv, R, r)); });
   m.def("genus_surface", [](int genus, int resolution) { return pair(genus_surface(genus, resolution)); });
   m.def("grid", [](int nx, int ny, double w, double h) { return pair(grid(nx, ny, w, h)); });

@@ -105,6 +105,21 @@ class Factorised {
 
 }  // namespace
 
+py::tuple modes_tuple(EigenModes r) {
+  py::dict d;
+  d["solver"] = r.solver;
+  d["converged"] = r.converged;
+  d["iterations"] = r.iterations;
+  d["residual"] = moved(std::move(r.residual));
+  d["cluster"] = r.cluster;
+  d["smallest"] = std::string(name(r.smallest));
+  d["seconds"] = r.seconds;
+  d["message"] = r.message;
+  py::array_t<C, py::array::f_style> U({r.U.rows(), r.U.cols()});
+  Columns(U.mutable_data(), r.U.rows(), r.U.cols()) = r.U;
+  return py::make_tuple(moved(std::move(r.lambda)), U, d);
+}
+
 void bind_solve(py::module_& m) {
   py::class_<Factorised>(m, "Factorised", "A factorised Hermitian positive definite matrix, see factorise().")
       .def("_solve", &Factorised::solve)
@@ -128,18 +143,7 @@ void bind_solve(py::module_& m) {
     const auto s = sparse_of(S, "S"), mass = sparse_of(M, "M");
     const EigenOptions how = eigen_of(options);
     EigenModes r = watched(progress, threads, [&] { return eigenpairs(s, mass, area, count, how); });
-    py::dict d;
-    d["solver"] = r.solver;
-    d["converged"] = r.converged;
-    d["iterations"] = r.iterations;
-    d["residual"] = moved(std::move(r.residual));
-    d["cluster"] = r.cluster;
-    d["smallest"] = std::string(name(r.smallest));
-    d["seconds"] = r.seconds;
-    d["message"] = r.message;
-    py::array_t<C, py::array::f_style> U({r.U.rows(), r.U.cols()});
-    Columns(U.mutable_data(), r.U.rows(), r.U.cols()) = r.U;
-    return py::make_tuple(moved(std::move(r.lambda)), U, d);
+    return modes_tuple(std::move(r));
   });
   m.def("inertia", [](const py::tuple& S, const py::tuple& M, double sigma, const py::object& progress, int threads) {
     const auto s = sparse_of(S, "S"), mass = sparse_of(M, "M");

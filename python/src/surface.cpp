@@ -5,6 +5,7 @@
 #include "alcap/surface.h"
 
 #include "alcap/mesh_check.h"
+#include "alcap/mesh_repair.h"
 #include "alcap/sharp_edges.h"
 #include "alcap/shortest_path.h"
 #include "python/src/arrays.h"
@@ -54,8 +55,7 @@ py::list loops(const std::vector<Loop>& list) {
 }
 
 py::tuple piece(Piece p) {
-  const py::ssize_t faces = p.F.rows();
-  return py::make_tuple(moved_rows(std::move(p.V)), moved(std::move(p.F), {faces, 3}), moved(std::move(p.vertices)),
+  return py::make_tuple(moved_rows(std::move(p.V)), moved_faces(std::move(p.F)), moved(std::move(p.vertices)),
                         moved(std::move(p.faces)));
 }
 
@@ -204,14 +204,30 @@ void bind_surface(py::module_& m) {
     return out;
   });
   m.def("repair_weld", [](const py::object& V, const py::object& F) {
-    Faces out = repair_weld(positions_of(V), faces_of(F));
-    const py::ssize_t rows = out.rows();
-    return moved(std::move(out), {rows, 3});
+    return moved_faces(repair_weld(positions_of(V), faces_of(F)));
   });
   m.def("repair_orientation", [](const py::object& F, std::int64_t vertices) {
-    Faces out = repair_orientation(faces_of(F), vertices);
-    const py::ssize_t rows = out.rows();
-    return moved(std::move(out), {rows, 3});
+    return moved_faces(repair_orientation(faces_of(F), vertices));
+  });
+  m.def("repair_mesh", [](const py::object& V, const py::object& F, const std::vector<std::string>& repairs,
+                          double tolerance, bool bow_ties) {
+    RepairOptions options{.repairs = {}, .weld_tolerance = tolerance, .bow_ties = bow_ties};
+    for (const std::string& text : repairs) options.repairs.push_back(named<Repair>(text, "repairs"));
+    auto points = positions_of(V);
+    auto faces = faces_of(F);
+    RepairedMesh out =
+        watched(py::none(), 0, [&] { return repair_mesh(std::move(points), std::move(faces), options); });
+    py::list steps;
+    for (const RepairStep& step : out.steps) {
+      py::dict d;
+      d["code"] = step.code;
+      d["count"] = step.count;
+      d["first"] = step.first;
+      d["message"] = step.message;
+      steps.append(d);
+    }
+    return py::make_tuple(moved_rows(std::move(out.V)), moved_faces(std::move(out.F)), moved(std::move(out.copies_of)),
+                          moved(std::move(out.face_of)), steps);
   });
   m.def("shortest_path", [](const Surface& s, Index from, Index to) { return moved(shortest_path(s, from, to)); });
   m.def("dihedral_angles",

@@ -101,12 +101,22 @@ def test_the_module_exports_its_entry_alone_and_needs_known_libraries():
     assert 'PyInit__alcap' in exported
 
 
-@pytest.mark.parametrize('name', ['first_field', 'design', 'operators', 'batch', 'backends'])
-def test_examples_run(source, tmp_path, name):
-    arguments = {'first_field': ['mesh.ply', 'picture.png'], 'batch': ['20']}.get(name, [])
-    alcap.write_mesh(tmp_path / 'mesh.ply', *alcap.shapes.icosphere(2))
-    subprocess.run([sys.executable, os.path.join(source, 'examples/python', name + '.py'), *arguments], check=True,
-                   cwd=tmp_path, timeout=120)
+@pytest.mark.parametrize('name', ['backends', 'batch', 'design', 'first_field', 'operators', 'paper'])
+def test_notebooks_print_what_the_page_shows(source, tmp_path, name):
+    pytest.importorskip('matplotlib')
+    subprocess.run([sys.executable, os.path.join(source, 'scripts/notebooks.py'), name], check=True, cwd=tmp_path,
+                   timeout=300)
+
+
+def test_notebooks_run_in_a_kernel(source, tmp_path):
+    pytest.importorskip('nbconvert')
+    pytest.importorskip('ipykernel')
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(alcap.__file__)))
+    for file in ('first_field.ipynb', 'batch.ipynb'):
+        subprocess.run([sys.executable, '-m', 'nbconvert', '--to', 'notebook', '--execute', '--output-dir', tmp_path,
+                        os.path.join(source, 'examples/python', file)], check=True, env=environment, timeout=300)
+    text = (tmp_path / 'first_field.ipynb').read_text()
+    assert '"image/png"' in text and 'certificate holds' in text
 
 
 def test_the_readme_runs(source, tmp_path, monkeypatch):

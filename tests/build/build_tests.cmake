@@ -64,8 +64,8 @@ set(consumer_settings
   -D WITH_CHOLMOD=${ALCAP_WITH_CHOLMOD} -D NATIVE=${ALCAP_NATIVE} -D SHARED=${BUILD_SHARED_LIBS} -D WERROR=${ALCAP_WARNINGS_AS_ERRORS}
   -D ALCAP_SOURCE=${PROJECT_SOURCE_DIR} -D ALCAP_BUILD=${PROJECT_BINARY_DIR} -D ALCAP_VERSION=${PROJECT_VERSION}
   -D PKG_CONFIG=${ALCAP_PKG_CONFIG})
-foreach(kind IN ITEMS find_package pkg_config subdirectory)
-  if((NOT kind STREQUAL "subdirectory" AND NOT ALCAP_INSTALL) OR (kind STREQUAL "pkg_config" AND NOT ALCAP_PKG_CONFIG))
+foreach(kind IN ITEMS find_package pkg_config subdirectory fetch_content)
+  if((kind MATCHES "find_package|pkg_config" AND NOT ALCAP_INSTALL) OR (kind STREQUAL "pkg_config" AND NOT ALCAP_PKG_CONFIG))
     continue()
   endif()
   add_test(NAME consumer_${kind} COMMAND ${CMAKE_COMMAND} ${consumer_settings} -D KIND=${kind}

@@ -4,6 +4,7 @@
 #   find_package   installs alcap to a fresh folder, moves that folder, and finds it there
 #   pkg_config     installs it likewise, and compiles by what pkg-config says
 #   subdirectory   add_subdirectory(alcap) in a parent that checks that nothing of it changed
+#   fetch_content FetchContent in a parent, with the sources where they are
 #   default_build  configures alcap alone without a build type and looks at the flags
 cmake_minimum_required(VERSION 3.25)
 
@@ -49,12 +50,13 @@ elseif(KIND STREQUAL "pkg_config")
   file(MAKE_DIRECTORY ${WORK}/build)
   run(compile ${CXX} -std=c++20 ${ALCAP_SOURCE}/tests/build/consumer.cpp -o ${WORK}/build/consumer ${flags}
     -Wl,-rpath,${libraries})
-elseif(KIND STREQUAL "subdirectory")
+elseif(KIND MATCHES "subdirectory|fetch_content")
   # All of alcap is compiled once more: without optimisation, because what is tested is the embedding.
   if(CONFIG STREQUAL "Release")
     list(APPEND typed -D "CMAKE_CXX_FLAGS_RELEASE=-O0 -DNDEBUG" -D ALCAP_HARDENED=OFF)
   endif()
-  run(configure ${CMAKE_COMMAND} -S ${project} -B ${WORK}/build ${settings} ${typed} -D ALCAP_SOURCE=${ALCAP_SOURCE})
+  run(configure ${CMAKE_COMMAND} -S ${project} -B ${WORK}/build ${settings} ${typed} -D ALCAP_SOURCE=${ALCAP_SOURCE}
+    -D FETCHCONTENT_SOURCE_DIR_ALCAP=${ALCAP_SOURCE})
 elseif(KIND STREQUAL "default_build")
   run(configure ${CMAKE_COMMAND} -S ${ALCAP_SOURCE} -B ${WORK}/build ${settings}
     -D ALCAP_BUILD_TESTS=OFF -D ALCAP_BUILD_APPS=OFF -D ALCAP_UNITY=OFF)  # a command for every file

@@ -30,71 +30,6 @@ constexpr const char* footer =
     "fields on spheres, and (E_A - E_H) / pi, for every connection and both kinds of operators, on clean and on\n"
     "jittered spheres, beside the published numbers. Level l has 10 4^l + 2 vertices.";
 
-Json to_json(const OperatorRow& row) {
-  return {{"sphere", row.sphere},
-          {"level", row.level},
-          {"vertices", row.vertices},
-          {"mean_edge", number(row.mean_edge)},
-          {"connection", row.connection},
-          {"kind", row.kind},
-          {"l2_div", number(row.l2_div)},
-          {"l2_curl", number(row.l2_curl)},
-          {"linf_div", number(row.linf_div)},
-          {"linf_curl", number(row.linf_curl)},
-          {"face_div", number(row.face_div)},
-          {"face_curl", number(row.face_curl)},
-          {"energy", number(row.energy)},
-          {"paper",
-           {{"l2_div", number(row.paper_l2_div)},
-            {"l2_curl", number(row.paper_l2_curl)},
-            {"linf_div", number(row.paper_linf_div)},
-            {"linf_curl", number(row.paper_linf_curl)},
-            {"energy", number(row.paper_energy)}}},
-          {"order",
-           {{"l2_div", number(row.order_l2_div)},
-            {"l2_curl", number(row.order_l2_curl)},
-            {"linf_div", number(row.order_linf_div)},
-            {"linf_curl", number(row.order_linf_curl)},
-            {"energy", number(row.order_energy)}}}};
-}
-
-Json to_json(const StiffnessRow& row) {
-  return {{"sphere", row.sphere},
-          {"level", row.level},
-          {"vertices", row.vertices},
-          {"mean_edge", number(row.mean_edge)},
-          {"connection", row.connection},
-          {"energy", number(row.energy)},
-          {"paper", {{"energy", number(row.paper_energy)}}},
-          {"order", {{"energy", number(row.order_energy)}}}};
-}
-
-Json to_json(const EulerRow& row) {
-  return {{"surface", row.surface},
-          {"level", row.level},
-          {"vertices", row.vertices},
-          {"connection", row.connection},
-          {"kind", row.kind},
-          {"mean", number(row.mean)},
-          {"deviation", number(row.deviation)},
-          {"expected", number(row.expected)},
-          {"paper", {{"mean", number(row.paper_mean)}, {"deviation", number(row.paper_deviation)}}}};
-}
-
-Json to_json(const BaselineRow& row) {
-  return {{"sphere", row.sphere},       {"level", row.level},
-          {"vertices", row.vertices},   {"fisher", number(row.fisher)},
-          {"edge", number(row.edge)},   {"triangle", number(row.triangle)},
-          {"basis", number(row.basis)}, {"crane_degrees", number(row.crane_degrees)}};
-}
-
-template <class Row>
-Json rows_json(const std::vector<Row>& rows) {
-  Json list = Json::array();
-  for (const Row& row : rows) list.push_back(to_json(row));
-  return list;
-}
-
 Outcome run(TablesOptions options, const std::filesystem::path& mesh, Progress& progress) {
   if (!mesh.empty()) {
     MeshFile file = read_mesh(mesh);
@@ -104,13 +39,7 @@ Outcome run(TablesOptions options, const std::filesystem::path& mesh, Progress& 
   options.progress = [&](std::string_view what) { progress.phase(fmt::format("measuring on {}", what)); };
   const TablesResult result = compute_tables(options);
   Json report = report_head("tables", true);
-  report["options"] = {{"levels", options.levels},         {"fields", options.fields},
-                       {"harmonics", options.harmonics},   {"unit_harmonics", options.unit_harmonics},
-                       {"jitter", number(options.jitter)}, {"seed", options.seed}};
-  report["operators"] = rows_json(result.operators);
-  report["stiffness"] = rows_json(result.stiffness);
-  report["euler"] = rows_json(result.euler);
-  report["baselines"] = rows_json(result.baselines);
+  report.update(tables_json(result));
   report["times"] = {{"total", number(result.seconds)}};
   report["peak_memory_bytes"] = peak_memory_bytes();
   std::ostringstream text;

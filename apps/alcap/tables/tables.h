@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "alcap/generators.h"
+#include "apps/alcap/commands/command.h"
 
 namespace alcap::app {
 
@@ -108,6 +109,9 @@ struct TablesResult {
 
 /// Measures everything. Deterministic for given options, whatever the number of threads. Throws OptionError.
 [[nodiscard]] TablesResult compute_tables(const TablesOptions& options = {});
+
+/// options, operators, stiffness, euler, baselines: keys of a report.
+[[nodiscard]] Json tables_json(const TablesResult& result);
 
 /// Aligned plain text.
 void print_tables(std::ostream& out, const TablesResult& result);

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: MIT
+"""Designs that are edited live, and smoothest ones."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Dict, List, Mapping, Optional, Sequence
+
+import numpy.typing as npt
+
+from . import _alcap
+from ._alcap import ConnectedSurface, Field
+from ._controls import Control, SingularityTarget, Stroke
+from ._types import EIGEN_OPTIONS, Progress, given
+
+
+@dataclass(frozen=True)
+class DesignResult:
+    """What Designer.solve() returns.
+
+    Attributes
+    ----------
+    field : Field
+    controls : list of dict
+        In the order of their ids: id, met, index, error_degrees.
+    report : dict
+        rows, solves, residual (recomputed), solver, seconds.
+    """
+
+    field: Field
+    controls: List[Dict[str, Any]]
+    report: Dict[str, Any]
+
+
+class Designer:
+    """A design that is prepared once and edited cheaply (LTGD 2016, Sec. 7.1).
+
+    Parameters
+    ----------
+    surface : ConnectedSurface
+    n : int
+    guidance_weight : float
+        In units of twice the smallest eigenvalue of a round sphere of the same area; 0: no guidance.
+    t : float, optional
+        The guidance in the form of Knoeppel et al. 2013, instead of the weight.
+    s : float
+        Energy family in [-1, 1].
+    kind : str
+        How targets are integrated: 'triangle' or 'edge'.
+    solver : str
+        One of linear_solvers(), or 'auto'.
+    progress : callable(phase, fraction), optional
+        Of every call.
+
+    Raises
+    ------
+    OptionError
+        Bad options; a system that is singular because nothing holds it.
+    """
+
+    def __init__(self, surface: ConnectedSurface, n: int = 1, *, guidance_weight: float = 0.0,
+                 t: Optional[float] = None, s: float = 0.0, kind: str = 'triangle', solver: str = 'auto',
+                 progress: Progress = None, threads: int = 0) -> None:
+        options = {'n': n, 'guidance_weight': guidance_weight, 't': t, 's': s, 'kind': kind, 'solver': solver}
+        self._designer = _alcap.Designer(surface, options, progress, threads)
+        self._controls: Dict[int, Control] = {}
+
+    @property
+    def controls(self) -> Mapping[int, Control]:
+        """The controls by id."""
+        return dict(self._controls)
+
+    def add(self, control: Control) -> int:
+        """Adds a control and returns its id. Raises OptionError naming what is wrong with it."""
+        number = self._designer.add(control)
+        self._controls[number] = control
+        return number
+
+    def set(self, id: int, control: Control) -> None:
+        """Replaces a control."""
+        self._designer.set(id, control)
+        self._controls[id] = control
+
+    def remove(self, id: int) -> None:
+        """Removes a control."""
+        self._designer.remove(id)
+        del self._controls[id]
+
+    def _refresh(self) -> None:
+        now: Dict[int, Control] = {number: c for number, c in self._controls.items()
+                                   if not isinstance(c, SingularityTarget)}
+        now.update({number: SingularityTarget(**members) for number, members in self._designer.controls()})
+        self._controls = dict(sorted(now.items()))
+
+    def move(self, id: int, face: int) -> None:
+        """Moves a singularity to another face; its direction is carried along."""
+        self._designer.move(id, face)
+        self._refresh()
+
+    def merge(self, id: int, other: int) -> Optional[int]:
+        """Two singularities become one, whose indices add; None where they cancel."""
+        left = self._designer.merge(id, other)
+        self._refresh()
+        return left
+
+    def split(self, id: int, face: int, count: int = 1) -> int:
+        """`count` n-ths of a singularity go to another face, as a new control, whose id is returned."""
+        made = self._designer.split(id, face, count)
+        self._refresh()
+        return made
+
+    def set_guidance(self, u0: npt.ArrayLike) -> None:
+        """The field u0 (#V,) complex to stay close to; needs a guidance weight or t."""
+        self._designer.set_guidance(u0)
+
+    def set_guidance_weight(self, weight: float) -> None:
+        """Another weight; a numeric factorisation."""
+        self._designer.set_guidance_weight(weight)
+
+    def set_guidance_weights(self, weights: npt.ArrayLike) -> None:
+        """Weights per vertex (#V,), not negative, that multiply the guidance weight."""
+        self._designer.set_guidance_weights(weights)
+
+    def solve(self) -> DesignResult:
+        """Solves the design. Raises OptionError when nothing is asked for."""
+        return DesignResult(*self._designer.solve())
+
+
+@dataclass(frozen=True)
+class EigenDesign:
+    """What eigen_design() returns.
+
+    Attributes
+    ----------
+    field : Field
+        Of square integral 1 on every component.
+    components : list of dict
+        As FieldRun.eigen.
+    strokes : list of dict
+        mean_degrees, largest_degrees, magnitude, met.
+    singularities : list of dict
+        id (position in the list), met, index, error_degrees.
+    """
+
+    field: Field
+    components: List[Dict[str, Any]]
+    strokes: List[Dict[str, Any]]
+    singularities: List[Dict[str, Any]]
+
+
+def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Stroke] = (),
+                 singularities: Sequence[SingularityTarget] = (), s: float = 0.0, offset: float = 1.0,
+                 path: str = 'auto', progress: Progress = None, threads: int = 0, **options: Any) -> EigenDesign:
+    """The smoothest field of a connection that follows strokes and has singularities (LTGD 2016, Sec. 7.2).
+
+    Without controls it is the smoothest field of the connection.
+
+    Parameters
+    ----------
+    offset : float
+        Removes what the paper leaves free across strokes; 0: as in the paper.
+    path : str
+        'auto', 'real_view' or 'low_rank'.
+    **options
+        Of the eigensolver: tolerance, solver, method, max_iterations, seed.
+
+    Returns
+    -------
+    EigenDesign
+    """
+    for name in options:
+        if name not in EIGEN_OPTIONS:
+            raise TypeError(f'unexpected option {name!r}; known are {", ".join(EIGEN_OPTIONS)}')
+    how = {'n': n, 's': s, 'offset': offset, 'path': path}
+    return EigenDesign(*_alcap.eigen_design(surface, list(strokes), list(singularities), how, given(**options),
+                                            progress, threads))
+
+
+__all__ = [
+    'DesignResult', 'Designer', 'EigenDesign', 'eigen_design',
+]

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+//
+// tables.cpp: the accuracy tables of the paper, and plans of runs.
+#include <sstream>
+
+#include "alcap/plan.h"
+#include "apps/alcap/commands/command.h"
+#include "apps/alcap/tables/tables.h"
+#include "python/src/arrays.h"
+#include "python/src/bindings.h"
+#include "python/src/long_call.h"
+
+namespace alcap::python {
+namespace {
+
+std::string tables(const py::dict& d, const py::object& V, const py::object& F, const py::object& progress) {
+  app::TablesOptions options{.levels = d["levels"].cast<std::vector<int>>(),
+                             .fields = d["fields"].cast<int>(),
+                             .jitter = d["jitter"].cast<double>(),
+                             .seed = d["seed"].cast<std::uint64_t>(),
+                             .more = d["more"].cast<bool>()};
+  if (py::len(V) > 0) {
+    options.mesh = {positions_of(V), faces_of(F)};
+    options.mesh_name = "mesh";
+  }
+  return watched(progress, 0, [&] {
+    const app::TablesResult result = app::compute_tables(options);
+    app::Json json = app::tables_json(result);
+    std::ostringstream text;
+    app::print_tables(text, result);
+    json["text"] = text.str();
+    return app::text_of(json);
+  });
+}
+
+py::dict plan(const py::dict& d) {
+  const PlanOptions options{.faces = d["faces"].cast<std::int64_t>(),
+                            .vertices = d["vertices"].cast<std::int64_t>(),
+                            .n = d["n"].cast<int>(),
+                            .threads = d["threads"].cast<int>(),
+                            .formats = d["formats"].cast<std::vector<std::string>>(),
+                            .speed = d["speed"].cast<double>(),
+                            .memory = d["memory"].cast<std::int64_t>()};
+  const RunPlan r = plan_field(options);
+  py::list phases;
+  for (const PhasePlan& phase : r.phases) {
+    py::dict p;
+    p["name"] = phase.name;
+    p["seconds"] = phase.seconds;
+    p["bytes"] = phase.bytes;
+    p["disk"] = phase.disk;
+    phases.append(p);
+  }
+  py::dict out;
+  out["fits"] = r.fits();
+  out["refusals"] = r.refusals;
+  out["phases"] = phases;
+  out["seconds"] = r.seconds;
+  out["bytes"] = r.bytes;
+  out["most_bytes"] = r.most_bytes;
+  out["factor_bytes"] = r.factor_bytes;
+  out["disk"] = r.disk;
+  out["memory"] = r.memory;
+  out["largest"] = r.largest;
+  return out;
+}
+
+}  // namespace
+
+void bind_tables(py::module_& m) {
+  m.def("tables", &tables);
+  m.def("plan_field", &plan);
+  m.def("relative_speed", [] { return watched(py::none(), 0, [] { return relative_speed(); }); });
+}
+
+}  // namespace alcap::python
