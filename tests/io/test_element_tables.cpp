@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// test_element_tables.cpp: directions and frames of faces and vertices as .csv, .npy and .dmat, and numbers of vertices, found
-// again by readers that know only the formats' own rules. NumPy itself reads .npy in the tests of the Python package.
+// test_element_tables.cpp: directions and frames of faces and vertices as .csv, .npy and .dmat, and numbers of
+// vertices, found again by readers that know only the formats' own rules. NumPy itself reads .npy in the tests of the
+// Python package.
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
