@@ -58,7 +58,7 @@ for (const { colorScheme, viewport } of looks) {
     if (viewport.width < 760) await page.click('.fold');
     await page.click('.controls .name');
     assert.deepEqual(await complaints(page), []);
-    await page.evaluate(() => alcap.tell(0));
+    await page.evaluate(() => alcap.card.tell(0));
     assert.deepEqual(await complaints(page), []);
     await page.evaluate(() => alcap.exports.showModal());
     assert.deepEqual(await complaints(page), []);

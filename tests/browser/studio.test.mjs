@@ -198,8 +198,8 @@ test('a stroke is an object: chosen on the surface, weighed by a slider in one s
   const [x, y] = await middle();
   await page.mouse.click(x, y + 20);
   await page.waitForSelector('.controls li.chosen .slider');
-  const weight = page.locator('.slider input[aria-label=Weight]');
-  assert.equal(await page.textContent('.slider output'), '10');
+  const weight = page.locator('.controls .slider input[aria-label=Weight]');
+  assert.equal(await page.textContent('.controls .slider output'), '10');
   const box = await weight.boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
@@ -214,6 +214,86 @@ test('a stroke is an object: chosen on the surface, weighed by a slider in one s
   await page.mouse.click(x, y + 20);
   await page.keyboard.press('Delete');
   await page.waitForFunction(() => !alcap.design.strokes?.length);
+});
+
+test('the eraser splits a stroke where it passes, and takes what is left of it', async () => {
+  await brush([-80, 20], [80, 20]);
+  const whole = design().strokes[0].points.length;
+  const [x, y] = await middle();
+  await page.click('.toolbox [data-value=erase]');
+  await hand().editing(() => hand().drag([x, y - 30], [x, y + 70]));
+  assert.equal(design().strokes.length, 2);
+  const left = design().strokes.map((s) => s.points.length);
+  assert.ok(left[0] > 3 && left[1] > 3 && left[0] + left[1] < whole, `${whole} became ${left}`);
+  await hand().editing(() => hand().drag([x - 100, y + 20], [x + 100, y + 20]));
+  assert.deepEqual(design().strokes || [], []);
+  await page.click('.toolbox [data-value=turn]');
+});
+
+test('edits are mirrored: a control, its move and its removal happen on both sides', async () => {
+  await page.click('[aria-label=Mirror] [data-value="0"]');
+  try {
+    await drop('saddle', 60, 20);
+    const { arrays: { positions: P, faces: F } } = unpack((await request(server.url, '/api/mesh')).body);
+    const spot = ({ face, pin }) => [0, 1, 2].map((c) => pin.reduce((sum, w, j) => sum + w * P[3 * F[3 * face + j] + c], 0));
+    const check = () => {
+      const [a, b, ...more] = design().singularities.map(spot);
+      assert.equal(more.length, 0);
+      assert.ok(Math.hypot(a[0] + b[0], a[1] - b[1], a[2] - b[2]) < 0.02, `${a} and ${b}`);
+      return a;
+    };
+    const before = check();
+    await page.focus('.ring.chosen');
+    for (let k = 0; k < 3; ++k) await hand().editing(() => page.keyboard.press('ArrowRight'));
+    const after = check();
+    assert.ok(Math.hypot(...after.map((v, c) => v - before[c])) > 0.05);
+    await hand().editing(() => page.keyboard.press('Delete'));
+    assert.deepEqual(design().singularities || [], []);
+  } finally {
+    await page.click('[aria-label=Mirror] [data-value="-1"]');
+  }
+});
+
+test('the smoothest fields can be looked at, and the design stays as it is', async () => {
+  await drop('source');
+  const own = await field(), text = readFileSync(server.design, 'utf8');
+  const show = (k) => hand().editing(() => page.click(`[aria-label="Smoothest field"] [data-value="${k}"]`));
+  await show(2);
+  const { meta } = await state();
+  assert.equal(meta.mode, 2);
+  assert.ok(meta.eigenvalues.length === 8 && meta.eigenvalues.every((v, k) => k === 0 || v >= meta.eigenvalues[k - 1] * (1 - 1e-6)));
+  assert.notEqual(Buffer.compare(own, await field()), 0);
+  assert.equal(readFileSync(server.design, 'utf8'), text);
+  await show(0);
+  assert.equal(Buffer.compare(own, await field()), 0);
+  assert.equal((await request(server.url, '/api/mode', { mode: 99 }, { method: 'POST', body: '' })).status, 400);
+});
+
+test('eigen designs: what they do not take is left out, and the command line agrees', async () => {
+  await drop('source', -60, 0);
+  await brush([-40, 50], [60, 60]);
+  await hand().editing(() => page.click('[data-value=eigen]'));
+  const d = design();
+  assert.equal(d.method, 'eigen');
+  assert.equal(d.singularities[0].pin, undefined);
+  assert.equal((await state()).meta.problem, '');
+  const report = JSON.parse(alcap('design', mesh, '--design', server.design, '--json'));
+  assert.equal(report.ok, true);
+  await hand().editing(() => page.click('[data-value=variational]'));
+  assert.equal(design().guidance.field, 'smoothest');
+});
+
+test('what nobody looks at is not computed: curves are asked for when they are shown', async () => {
+  await page.click('[aria-label="Field as"] [data-value=glyphs]');
+  const asked = [];
+  const note = (r) => { if (r.url().includes('/api/details')) asked.push(new URL(r.url()).searchParams.get('part')); };
+  page.on('request', note);
+  await drop('source');
+  assert.deepEqual(asked, []);
+  await page.click('[aria-label="Field as"] [data-value=curves]');
+  await page.waitForFunction(() => !alcap.view.stale.curves);
+  assert.deepEqual(asked, ['curves']);
+  page.off('request', note);
 });
 
 test('every format that the page offers can be saved', async () => {
@@ -331,7 +411,7 @@ test('the field aligns with principal curvature, and vector fields are not offer
   await settled();
   assert.equal(design().guidance.field, 'smoothest');
   assert.equal(await page.isDisabled('[data-value=curvature]'), true);
-  assert.deepEqual(await page.locator('.toolbox button').allTextContents(), ['Turn', 'Source', 'Sink', 'Vortex', 'Saddle', 'Brush']);
+  assert.deepEqual(await page.locator('.toolbox button').allTextContents(), ['Turn', 'Source', 'Sink', 'Vortex', 'Saddle', 'Brush', 'Eraser']);
 });
 
 test('a second tab follows', async () => {

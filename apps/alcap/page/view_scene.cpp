@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "alcap/operators.h"
 #include "alcap/streamlines.h"
@@ -27,10 +28,39 @@ std::vector<float> relative(const Positions<double>& points, const Eigen::RowVec
   return out;
 }
 
+/// Rows of the points that draw a curve, to within a distance that nobody sees: those that lie that close to a chord
+/// are left out.
+void keep_corners(const Positions<double>& points, std::int64_t first, std::int64_t end, double distance,
+                  std::vector<Eigen::Index>& kept) {
+  constexpr std::int64_t longest = 64;  // points that a chord stands for, so that time stays linear
+  kept.push_back(first);
+  for (std::int64_t from = first, to = first + 1; to < end; ++to) {
+    bool fits = to + 1 < end && to - from < longest;
+    if (fits) {
+      const Eigen::RowVector3d chord = points.row(to + 1) - points.row(from);
+      const double length = chord.squaredNorm();
+      for (std::int64_t i = from + 1; fits && i <= to; ++i) {
+        const Eigen::RowVector3d way = points.row(i) - points.row(from);
+        const double along = way.dot(chord);
+        fits =
+            along >= 0 && along <= length && way.squaredNorm() * length - along * along <= distance * distance * length;
+      }
+    }
+    if (fits) continue;
+    kept.push_back(to);
+    from = to;
+  }
+}
+
 void add_lines(ViewPack& pack, const std::string& name, const std::string& offsets_name, const CurveSet& curves,
-               const Eigen::RowVector3d& center) {
-  pack.add(name, relative(curves.points, center));
-  const std::vector<std::uint32_t> offsets(curves.offsets.begin(), curves.offsets.end());
+               double distance, const Eigen::RowVector3d& center) {
+  std::vector<Eigen::Index> kept;
+  std::vector<std::uint32_t> offsets{0};
+  for (std::size_t k = 0; k + 1 < curves.offsets.size(); ++k) {
+    keep_corners(curves.points, curves.offsets[k], curves.offsets[k + 1], distance, kept);
+    offsets.push_back(static_cast<std::uint32_t>(kept.size()));
+  }
+  pack.add(name, relative(curves.points(kept, Eigen::all), center));
   pack.add(offsets_name, offsets);
 }
 
@@ -43,19 +73,20 @@ float quantile(std::vector<float> values, double fraction) {
   return values[static_cast<std::size_t>(k)];
 }
 
-void add_scalar(ViewPack& pack, const char* name, const char* label, const char* help, bool diverging,
-                const VectorX<double>& values) {
+/// `entry` is one of scalar_list().
+void add_scalar(ViewPack& pack, Json entry, const VectorX<double>& values) {
   std::vector<float> numbers(static_cast<std::size_t>(values.size()));
   Eigen::Map<VectorX<float>>(numbers.data(), values.size()) = values.cast<float>();
   // A few faces around singularities would otherwise use up all colours.
   double low = quantile(numbers, 0.02), high = quantile(numbers, 0.98);
-  if (diverging) {
+  if (entry.at("diverging").get<bool>()) {
     high = std::max(std::abs(low), std::abs(high));
     low = -high;
   }
-  pack.meta["scalars"].push_back(
-      {{"name", name}, {"label", label}, {"help", help}, {"diverging", diverging}, {"low", low}, {"high", high}});
-  pack.add_short(std::string("scalar.") + name, numbers);
+  entry["low"] = low;
+  entry["high"] = high;
+  pack.add_short("scalar." + entry.at("name").get<std::string>(), numbers);
+  pack.meta["scalars"].push_back(std::move(entry));
 }
 
 }  // namespace
@@ -113,24 +144,60 @@ void add_singularities(ViewPack& pack, const FieldOutput& source) {
   pack.add("arms", arms);
 }
 
-PageCurves page_curves(const FieldOutput& source) {
+PageCurves page_even_curves(const FieldOutput& source, double apart, const RunControl& control) {
   PageCurves out;
   // Some sixty curves across, so that they stay apart on a small screen too; on coarse meshes not many more than they
   // have edges.
-  out.spacing =
-      std::clamp(0.7 * source.surface.geometry().lengths().mean() / diagonal_of(source.surface.V()), 0.0095, 0.02);
-  out.even = streamlines(source.surface, source.field, {.spacing = out.spacing});
-  // Shorter than the surface is wide: where they end in the middle, the pattern around the singularity is what counts.
-  out.separatrices = separatrices(source.surface, source.field, source.singularities, {.max_length = 0.5});
+  out.spacing = apart * std::clamp(0.7 * source.surface.geometry().lengths().mean() / diagonal_of(source.surface.V()),
+                                   0.0095, 0.02);
+  out.even = streamlines(source.surface, source.field, {.spacing = out.spacing, .control = control});
   return out;
 }
 
+PageCurves page_separatrices(const FieldOutput& source, const RunControl& control) {
+  PageCurves out;
+  // Shorter than the surface is wide: where they end in the middle, the pattern around the singularity is what counts.
+  out.separatrices =
+      separatrices(source.surface, source.field, source.singularities, {.max_length = 0.5, .control = control});
+  return out;
+}
+
+PageCurves page_curves(const FieldOutput& source) {
+  PageCurves out = page_even_curves(source);
+  out.separatrices = page_separatrices(source).separatrices;
+  return out;
+}
+
+// A tenth of a pixel in a picture a thousand pixels wide.
+constexpr double unseen = 1e-4;
+
 void add_curves(ViewPack& pack, const FieldOutput& source, const PageCurves& curves) {
-  const Eigen::RowVector3d center = center_of(source.surface.V());
-  pack.meta["spacing"] = curves.spacing * diagonal_of(source.surface.V());
+  const double diagonal = diagonal_of(source.surface.V());
+  pack.meta["spacing"] = curves.spacing * diagonal;
   pack.meta["curves_complete"] = curves.complete();
-  add_lines(pack, "curves", "curve_offsets", curves.even, center);
-  add_lines(pack, "separatrices", "separatrix_offsets", curves.separatrices, center);
+  add_lines(pack, "curves", "curve_offsets", curves.even, unseen * diagonal, center_of(source.surface.V()));
+}
+
+void add_separatrices(ViewPack& pack, const FieldOutput& source, const PageCurves& curves) {
+  add_lines(pack, "separatrices", "separatrix_offsets", curves.separatrices, unseen * diagonal_of(source.surface.V()),
+            center_of(source.surface.V()));
+}
+
+Json scalar_list(int n) {
+  const auto one = [](const char* name, const char* label, const char* help, bool diverging) {
+    return Json{{"name", name}, {"label", label}, {"help", help}, {"diverging", diverging}};
+  };
+  Json list = Json::array();
+  if (n == 1) {
+    list.push_back(one("div", "Divergence", "mean of div u over each face", true));
+    list.push_back(one("curl", "Curl", "mean of curl u over each face, counter-clockwise positive", true));
+  } else {
+    list.push_back(one("d", "|∂u|", "holomorphic derivative, half of |div + i curl|", false));
+  }
+  list.push_back(one("dbar", "|∂̄u|", "Cauchy–Riemann derivative, half of the reflected pair", false));
+  list.push_back(one("u", "|u|", "length of the n-vector; zero at singularities", false));
+  list.push_back(one("K", "Curvature K", "curvature of the connection per area", true));
+  return list;
 }
 
 void add_scalars(ViewPack& pack, const FieldOutput& source) {
@@ -139,25 +206,19 @@ void add_scalars(ViewPack& pack, const FieldOutput& source) {
   const auto operators = first_order_operators(source.surface, {.n = field.n});
   const VectorX<double>& area = source.surface.geometry().areas();
   const ComplexVectorX<double> p = apply(mesh, operators.p, field.u), q = apply(mesh, operators.q, field.u);
-  pack.meta["scalars"] = Json::array();
-  if (field.n == 1) {
-    add_scalar(pack, "div", "Divergence", "mean of div u over each face", true, p.real().cwiseQuotient(area));
-    add_scalar(pack, "curl", "Curl", "mean of curl u over each face, counter-clockwise positive", true,
-               p.imag().cwiseQuotient(area));
-  } else {
-    add_scalar(pack, "d", "|∂u|", "holomorphic derivative, half of |div + i curl|", false,
-               p.cwiseAbs().cwiseQuotient(area) / 2);
-  }
-  add_scalar(pack, "dbar", "|∂̄u|", "Cauchy–Riemann derivative, half of the reflected pair", false,
-             q.cwiseAbs().cwiseQuotient(area) / 2);
   VectorX<double> length(mesh.faces());
   for (Index t = 0; t < mesh.faces(); ++t) {
     length[t] = 0;
     for (Index c = 0; c < 3; ++c) length[t] += std::abs(field.u[mesh.F()(t, c)]) / 3;
   }
-  add_scalar(pack, "u", "|u|", "length of the n-vector; zero at singularities", false, length);
-  add_scalar(pack, "K", "Curvature K", "curvature of the connection per area", true,
-             source.surface.connection().K.cwiseQuotient(area));
+  const std::map<std::string, VectorX<double>> values{{"div", p.real().cwiseQuotient(area)},
+                                                      {"curl", p.imag().cwiseQuotient(area)},
+                                                      {"d", p.cwiseAbs().cwiseQuotient(area) / 2},
+                                                      {"dbar", q.cwiseAbs().cwiseQuotient(area) / 2},
+                                                      {"u", length},
+                                                      {"K", source.surface.connection().K.cwiseQuotient(area)}};
+  pack.meta["scalars"] = Json::array();
+  for (const Json& entry : scalar_list(field.n)) add_scalar(pack, entry, values.at(entry.at("name")));
 }
 
 Figures figures(const Json& report) {
@@ -190,6 +251,7 @@ ViewPack make_scene(const FieldOutput& source, const PageCurves& curves, const s
   add_field(pack, source);
   add_singularities(pack, source);
   add_curves(pack, source, curves);
+  add_separatrices(pack, source, curves);
   add_scalars(pack, source);
   pack.meta["euler"] = source.surface.topology().euler();
   pack.meta["figures"] = figures(report);

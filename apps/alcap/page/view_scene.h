@@ -34,9 +34,15 @@ struct PageCurves {
   [[nodiscard]] bool complete() const { return even.complete && separatrices.complete; }
 };
 [[nodiscard]] PageCurves page_curves(const FieldOutput& source);
+/// Halves of it. The evenly spaced ones so many times as far apart.
+[[nodiscard]] PageCurves page_even_curves(const FieldOutput& source, double apart = 1, const RunControl& control = {});
+[[nodiscard]] PageCurves page_separatrices(const FieldOutput& source, const RunControl& control = {});
 void add_curves(ViewPack& pack, const FieldOutput& source, const PageCurves& curves);
+void add_separatrices(ViewPack& pack, const FieldOutput& source, const PageCurves& curves);
 /// n = 1: divergence, curl; otherwise |d|; always |dbar|, |u| and K, as densities.
 void add_scalars(ViewPack& pack, const FieldOutput& source);
+/// Their names, labels and explanations: what add_scalars() would add for this n.
+[[nodiscard]] Json scalar_list(int n);
 
 /// The rows that a report of `alcap field` or `alcap design` has numbers for.
 [[nodiscard]] Figures figures(const Json& report);

@@ -15,6 +15,7 @@
 #include <optional>
 #include <random>
 
+#include "alcap/memory.h"
 #include "alcap/output.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/report/report.h"
@@ -29,6 +30,7 @@ constexpr std::size_t largest_body = std::size_t{8} << 20;  // a design of 10,00
 constexpr std::size_t threads = 64;                         // a waiting tab holds one, an unknown connection too
 constexpr auto read_timeout = std::chrono::seconds(5);      // between two bytes of a request
 constexpr auto longest_wait = std::chrono::seconds(20);
+constexpr std::uint64_t most_mode = 1000;  // a number that surely is none
 constexpr const char* binary = "application/octet-stream";
 
 /// 128 bits that nobody can guess.
@@ -64,10 +66,16 @@ std::string state_bytes(const StudioState& state, std::uint64_t known) {
                {"undo", state.undo},
                {"redo", state.redo},
                {"controls", state.result->controls},
-               {"seconds", state.result->seconds}};
+               {"seconds", state.result->seconds},
+               {"mode", state.result->mode},
+               {"eigenvalues", state.result->eigenvalues},
+               {"memory", memory_bytes()},
+               {"offered", scalar_list(state.result->field.n)}};
   if (state.result->id != known) {
     add_field(pack, state.result->output());
     add_singularities(pack, state.result->output());
+    pack.add("creases", state.result->creases);
+    pack.add("crease_offsets", state.result->crease_offsets);
   }
   return pack.bytes();
 }
@@ -127,11 +135,7 @@ class Handlers {
       const Json body{{"revision", session_.wait(number_in(request, "known"), longest_wait)}};
       response.set_content(text_of(body), "application/json");
     });
-    server.Get("/api/details", [this](const auto& request, auto& response) {
-      const StudioState now = session_.state();
-      if (number_in(request, "result") != now.result->id) return answer(response, 409, "the field is another by now");
-      response.set_content(now.result->details(), binary);
-    });
+    server.Get("/api/details", [this](const auto& request, auto& response) { details(request, response); });
     server.Get("/api/design", [this](const auto&, auto& response) {
       attach(response, design_text(session_.state().design), options_.title + ".design.json", "application/json");
     });
@@ -145,6 +149,13 @@ class Handlers {
         answer(response, 409, e.what());
       } catch (const FileError& e) {
         answer(response, 400, e.what());
+      } catch (const OptionError& e) {
+        answer(response, 400, e.what());
+      }
+    });
+    server.Post("/api/mode", [this](const auto& request, auto& response) {
+      try {
+        state(request, response, session_.show_mode(static_cast<int>(std::min(number_in(request, "mode"), most_mode))));
       } catch (const OptionError& e) {
         answer(response, 400, e.what());
       }
@@ -201,6 +212,22 @@ class Handlers {
 
   void state(const httplib::Request& request, httplib::Response& response, const StudioState& state) const {
     response.set_content(state_bytes(state, number_in(request, "have")), binary);
+  }
+
+  /// A part of what the page shows of the field, unless an edit makes that field a former one.
+  void details(const httplib::Request& request, httplib::Response& response) const {
+    const std::string part = request.get_param_value("part");
+    const auto which = std::find(part_names.begin(), part_names.end(), part);
+    if (which == part_names.end()) return answer(response, 400, "unknown part");
+    const std::uint64_t id = number_in(request, "result");
+    const auto outdated = [&] { return session_.result() != id; };
+    const std::shared_ptr<const StudioResult> result = session_.state().result;
+    try {
+      if (result->id != id) throw Cancelled();
+      response.set_content(result->part(StudioPart(which - part_names.begin()), {.cancel = outdated}), binary);
+    } catch (const Cancelled&) {
+      answer(response, 409, "the field is another by now");
+    }
   }
 
   /// One of the files of a format, counted from 0: the field in .ply, .vtp, ...

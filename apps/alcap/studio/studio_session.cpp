@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <utility>
 
 #include "alcap/errors.h"
 #include "apps/alcap/report/outputs.h"
@@ -68,7 +69,7 @@ StudioSession::StudioSession(const Surface& surface, DesignFile design, std::fil
 StudioState StudioSession::state_locked() const {
   return {.revision = revision_,
           .design = now_.design,
-          .result = now_.result,
+          .result = result_locked(),
           .problem = now_.problem,
           .undo = past_.size(),
           .redo = future_.size()};
@@ -77,6 +78,11 @@ StudioState StudioSession::state_locked() const {
 StudioState StudioSession::state() const {
   const std::lock_guard lock(mutex_);
   return state_locked();
+}
+
+std::uint64_t StudioSession::result() const {
+  const std::lock_guard lock(mutex_);
+  return result_locked()->id;
 }
 
 template <class Shift>
@@ -89,6 +95,7 @@ StudioState StudioSession::become(const Step& next, Shift&& shift) {
   }
   const std::lock_guard lock(mutex_);
   shift();
+  shown_.reset();
   ++revision_;
   moved_.notify_all();
   return state_locked();
@@ -101,7 +108,10 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
   if (design.guidance.source == DesignGuidance::Source::file)
     throw OptionError("/guidance/field", design.guidance.file.string(), "the studio opens no files named by a page");
   check_size(design);
+  // Features stay what they are: where they lie follows from their angle.
+  const DesignFeatures features = std::exchange(design.features, {});
   design = place_design(design, surface_);
+  design.features = features;
 
   const std::lock_guard change(changes_);
   Step next{.design = std::move(design), .result = nullptr};
@@ -149,6 +159,25 @@ StudioState StudioSession::redo() {
     future_.pop_back();
     gesture_.clear();
   });
+}
+
+StudioState StudioSession::show_mode(int k) {
+  const std::lock_guard change(changes_);
+  std::shared_ptr<const StudioResult> solved;
+  double s = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    solved = now_.result;
+    s = now_.design.s;
+  }
+  std::shared_ptr<const StudioResult> mode;
+  if (k != 0) mode = solver_.mode(*solved, s, k);
+  const std::lock_guard lock(mutex_);
+  shown_ = std::move(mode);
+  gesture_.clear();
+  ++revision_;
+  moved_.notify_all();
+  return state_locked();
 }
 
 std::uint64_t StudioSession::wait(std::uint64_t known, std::chrono::milliseconds limit) const {

@@ -63,7 +63,12 @@ class StudioSession {
   /// One step back or forward; nothing happens at the end of the history. Results are those of before, bit for bit.
   StudioState undo();
   StudioState redo();
+  /// Shows the k-th smoothest field instead of the design's, until the next change; 0: the design's again. The design,
+  /// its file and its history stay as they are. Throws OptionError.
+  StudioState show_mode(int k);
   [[nodiscard]] StudioState state() const;
+  /// Number of the present result; for asking often.
+  [[nodiscard]] std::uint64_t result() const;
   /// Waits until the revision is another than `known`, or some seconds.
   [[nodiscard]] std::uint64_t wait(std::uint64_t known, std::chrono::milliseconds limit) const;
   [[nodiscard]] const Surface& surface() const { return surface_; }
@@ -78,6 +83,9 @@ class StudioSession {
   static constexpr std::size_t longest_history = 200;  // steps; a field of 25,000 vertices is 0.5 MB
 
   [[nodiscard]] StudioState state_locked() const;
+  [[nodiscard]] const std::shared_ptr<const StudioResult>& result_locked() const {
+    return shown_ ? shown_ : now_.result;
+  }
   /// Saves the step, and only then makes it the present one; `shift` changes the history.
   template <class Shift>
   StudioState become(const Step& next, Shift&& shift);
@@ -90,6 +98,7 @@ class StudioSession {
   mutable std::mutex mutex_;  // what is below; never held while anything is solved or written
   mutable std::condition_variable moved_;
   Step now_;
+  std::shared_ptr<const StudioResult> shown_;  // a mode; null: the result of now_
   std::vector<Step> past_, future_;
   std::string gesture_;
   std::uint64_t revision_ = 1;

@@ -1,39 +1,98 @@
 // SPDX-License-Identifier: MIT
 #include "apps/alcap/studio/studio_solver.h"
 
+#include <algorithm>
+
 #include "apps/alcap/report/design_report.h"
 #include "src/base/clock.h"
 
 namespace alcap::app {
 
-const std::string& StudioResult::details() const {
-  std::call_once(once_, [&] {
+std::string StudioResult::make(StudioPart which, const RunControl& control) const {
+  constexpr double coarse = 3;
+  return controlled(control, [&] {
     ViewPack pack;
     pack.meta["result"] = id;
-    add_curves(pack, output(), page_curves(output()));
-    add_scalars(pack, output());
-    details_ = pack.bytes();
+    if (which == StudioPart::colours) {
+      add_scalars(pack, output());
+    } else if (which == StudioPart::separatrices) {
+      add_separatrices(pack, output(), page_separatrices(output()));
+    } else {
+      add_curves(pack, output(), page_even_curves(output(), which == StudioPart::coarse ? coarse : 1));
+    }
+    return pack.bytes();
   });
-  return details_;
+}
+
+const std::string& StudioResult::part(StudioPart which, const RunControl& control) const {
+  const auto k = static_cast<std::size_t>(which);
+  std::call_once(once_[k], [&] { parts_[k] = make(which, control); });
+  return parts_[k];
 }
 
 StudioSolver::StudioSolver(const Surface& surface) : session_(surface) {}
 
+namespace {
+
+/// The strokes along features are one control, as far off as the worst of them.
+void add_outcomes(const DesignFile& design, const DesignRun& run, StudioResult& result) {
+  Json features;
+  for (const DesignOutcome& outcome : run.outcomes) {
+    if (!outcome.control) continue;
+    const bool feature = outcome.type == DesignOutcome::Type::stroke && outcome.number >= design.strokes.size();
+    Json entry{{"path", feature ? "/features" : outcome.path},
+               {"met", outcome.met},
+               {"error_degrees", outcome.error_degrees},
+               {"tolerance_degrees", tolerance_degrees(outcome.type)}};
+    if (!feature) {
+      result.controls.push_back(std::move(entry));
+    } else if (features.is_null()) {
+      features = std::move(entry);
+    } else {
+      features["met"] = features["met"].get<bool>() && outcome.met;
+      features["error_degrees"] = std::max(features["error_degrees"].get<double>(), outcome.error_degrees);
+    }
+  }
+  if (!features.is_null()) result.controls.push_back(std::move(features));
+  for (std::size_t k = design.strokes.size(); k < run.design.strokes.size(); ++k) {
+    for (const Index v : run.design.strokes[k].vertices) result.creases.push_back(static_cast<std::uint32_t>(v));
+    result.crease_offsets.push_back(static_cast<std::uint32_t>(result.creases.size()));
+  }
+}
+
+}  // namespace
+
 std::shared_ptr<const StudioResult> StudioSolver::solve(const DesignFile& design) {
   const detail::Stopwatch watch;
-  if (design.method != DesignMethod::variational)
-    throw OptionError("/method", "eigen", "the studio solves variational designs; alcap design solves both");
   DesignRun run = session_.solve(design);
   auto result = std::make_shared<StudioResult>();
+  add_outcomes(design, run, *result);
   result->surface = std::move(run.surface);
   result->field = std::move(run.field);
   result->singularities = std::move(run.singularities);
-  for (const DesignOutcome& outcome : run.outcomes)
-    if (outcome.control)
-      result->controls.push_back({{"path", outcome.path},
-                                  {"met", outcome.met},
-                                  {"error_degrees", outcome.error_degrees},
-                                  {"tolerance_degrees", tolerance_degrees(outcome.type)}});
+  result->id = ++results_;
+  result->seconds = watch.seconds();
+  return result;
+}
+
+std::shared_ptr<const StudioResult> StudioSolver::mode(const StudioResult& solved, double s, int k) {
+  const detail::Stopwatch watch;
+  const int n = solved.field.n;
+  const int most = std::min<int>(most_modes, solved.surface.mesh().vertices());
+  if (k < 1 || k > most) throw OptionError("mode", k, "must be from 1 to " + std::to_string(most));
+  if (modes_n_ != n || modes_s_ != s || &modes_surface_.connection() != &solved.surface.connection()) {
+    modes_n_ = 0;
+    modes_ = smoothest_modes(solved.surface, most, {.n = n, .s = s});
+    modes_surface_ = solved.surface;
+    modes_n_ = n;
+    modes_s_ = s;
+  }
+  auto result = std::make_shared<StudioResult>();
+  result->surface = solved.surface;
+  result->field = {.n = n, .u = modes_.U.col(k - 1), .frames = solved.surface.frames()};
+  result->singularities = find_singularities(solved.surface, result->field);
+  result->mode = k;
+  result->eigenvalues.assign(modes_.lambda.data(), modes_.lambda.data() + modes_.lambda.size());
   result->id = ++results_;
   result->seconds = watch.seconds();
   return result;

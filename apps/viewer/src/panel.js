@@ -40,14 +40,21 @@ export function displaySection(view) {
   return element;
 }
 
+/** In the studio the numbers come when they are first asked for; what there will be is in meta.offered. */
 export function colorSection(view) {
-  const scalars = view.meta.scalars || [];
-  if (!scalars.length) return h('section', { hidden: true });
+  const offered = view.meta.offered || view.meta.scalars || [];
+  if (!offered.length) return h('section', { hidden: true });
   const legend = h('figure', { class: 'legend', hidden: true });
-  const list = [['', 'Plain', 'No colours'], ...scalars.map((s) => [s.name, s.label, s.help])];
+  const list = [['', 'Plain', 'No colours'], ...offered.map((s) => [s.name, s.label, s.help])];
   const choose = (name) => {
-    const s = scalars.find((one) => one.name === name);
     view.set('color', name);
+    element.refresh();
+  };
+  const chips = segmented('Colour by', list, view.state.color, choose);
+  chips.classList.add('wrap');
+  const element = section('Colour', chips, legend);
+  element.refresh = () => {
+    const s = (view.meta.scalars || []).find((one) => one.name === view.state.color);
     legend.hidden = !s;
     if (!s) return;
     legend.replaceChildren(
@@ -56,14 +63,12 @@ export function colorSection(view) {
       h('figcaption', {}, `${s.help[0].toUpperCase()}${s.help.slice(1)}. The outermost 2 % share the end colours.`),
     );
   };
-  const chips = segmented('Colour by', list, '', choose);
-  chips.classList.add('wrap');
-  const element = section('Colour', chips, legend);
   element.keys = { c: () => {
     const next = list[(list.findIndex((l) => l[0] === view.state.color) + 1) % list.length][0];
     chips.set(next);
     choose(next);
   } };
+  element.refresh();
   return element;
 }
 

@@ -16,11 +16,13 @@ export class View {
     this.arrays = {};
     const d = meta.diagonal;
     this.surface = new Surface(arrays.positions, arrays.faces);
+    stage.reach = reachOf(arrays.positions) / d;
     this.spacing = meta.spacing || 0.012 * d;
     this.curves = new Lines({ variable: '--ink', width: 0.1 * this.spacing, widths: [0.8, 2.4] });
     this.separatrices = new Lines({ variable: '--accent', width: 0.0032 * d, widths: [1.8, 4], lift: 0.0022, order: 2 });
     this.glyphs = new Glyphs(this.surface, d, 0.022 * d);
     this.marks = new Marks(d);
+    this.stale = {};  // what belongs to an earlier field: curves, separatrices
     this.state = { lines: 'curves', singularities: true, arms: true, separatrices: false, color: '' };
     stage.add(this.surface);
     stage.add(this.curves);
@@ -40,23 +42,36 @@ export class View {
       this.curves.material.uniforms.period.value = this.meta.n === 1 ? 6 * this.spacing : 0;
     }
     if (arrays.singular) this.marks.set(arrays.singular, arrays.arms);
-    if (arrays.curves) this.curves.curves(arrays.curves, arrays.curve_offsets);
-    if (arrays.separatrices) this.separatrices.curves(arrays.separatrices, arrays.separatrix_offsets);
+    if (arrays.curves) {
+      this.curves.curves(arrays.curves, arrays.curve_offsets);
+      this.stale.curves = false;
+    }
+    if (arrays.separatrices) {
+      this.separatrices.curves(arrays.separatrices, arrays.separatrix_offsets);
+      this.stale.separatrices = false;
+    }
     if (this.state?.color && arrays[`scalar.${this.state.color}`]) this.apply();
     this.stage.draw();
+  }
+
+  /** The field is another one: what was drawn along it is not of this one. */
+  outdate() {
+    this.stale = { curves: true, separatrices: true };
+    this.apply();
   }
 
   set(key, value) {
     this.state[key] = value;
     this.apply();
+    this.wanted?.();
   }
 
   apply() {
     const { lines, singularities, arms, separatrices, color } = this.state;
     // While curves are those of an earlier field, glyphs stand in for them.
-    this.curves.show(lines === 'curves' && !this.stale);
-    this.glyphs.show(lines === 'glyphs' || (lines === 'curves' && Boolean(this.stale)));
-    this.separatrices.show(separatrices && !this.stale);
+    this.curves.show(lines === 'curves' && !this.stale.curves);
+    this.glyphs.show(lines === 'glyphs' || (lines === 'curves' && Boolean(this.stale.curves)));
+    this.separatrices.show(separatrices && !this.stale.separatrices);
     this.marks.show(singularities);
     this.marks.showArms(arms);
     const scalar = (this.meta.scalars || []).find((s) => s.name === color);
@@ -86,4 +101,11 @@ export class View {
     }
     return found;
   }
+}
+
+/** From the middle to the farthest point. */
+function reachOf(P) {
+  let most = 0;
+  for (let v = 0; v < P.length; v += 3) most = Math.max(most, P[v] * P[v] + P[v + 1] * P[v + 1] + P[v + 2] * P[v + 2]);
+  return Math.sqrt(most);
 }

@@ -14,7 +14,7 @@ export class Stage {
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(32, 1, 0.01, 100);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableDamping = true;
+    this.controls.enableDamping = !matchMedia('(prefers-reduced-motion: reduce)').matches;
     this.controls.dampingFactor = 0.12;
     this.controls.zoomToCursor = true;
     this.controls.addEventListener('change', () => this.draw());
@@ -22,6 +22,7 @@ export class Stage {
     this.controls.addEventListener('end', () => { this.moving = false; this.draw(); });
     this.layers = [];  // have resize(width, height, ratio) and detail(fraction)
     this.up = 0;
+    this.reach = 0;  // from the middle to the farthest point, in diagonals
     this.cost = 0;
     this.moving = false;
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -93,7 +94,7 @@ export class Stage {
     this.camera.near = diagonal * 1e-3;
     this.camera.far = diagonal * 20;
     const shape = Math.min(this.free.width / this.width * this.camera.aspect, this.free.height / this.height);
-    const distance = (0.41 * diagonal) / Math.tan((this.camera.fov * Math.PI) / 360) / Math.min(shape, 0.95);
+    const distance = (Math.max(0.41, 1.05 * (this.reach || 0)) * diagonal) / Math.tan((this.camera.fov * Math.PI) / 360) / Math.min(shape, 0.95);
     const y = ups[this.up], x = ups[(this.up + 2) % 3], z = ups[(this.up + 1) % 3];
     const towards = new Vector3().addScaledVector(x, 0.42).addScaledVector(y, 0.26).addScaledVector(z, 0.87).normalize();
     this.camera.up.copy(y);
@@ -137,13 +138,14 @@ export class Stage {
     if (this.pending) return;
     this.pending = requestAnimationFrame(() => {
       this.pending = 0;
-      this.controls.update();  // asks for the next frame while it glides
-      const detail = this.moving && this.cost > 40 ? Math.max(0.25, 30 / this.cost) : 1;
+      const moving = this.controls.update() || this.moving;  // asks for the next frame while it glides
+      const detail = moving && this.cost > 40 ? Math.max(0.25, 30 / this.cost) : 1;
       for (const l of this.layers) l.detail?.(detail);
       this.before?.();
       const start = performance.now();
       this.renderer.render(this.scene, this.camera);
       if (detail === 1) this.cost = performance.now() - start;
+      else if (!this.moving) this.draw();  // in full, when nothing moves any more
       this.drawn = true;
     });
   }

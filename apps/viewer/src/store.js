@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: MIT
 //
 // store.js: the design as this tab knows it, and its way to the server and back. Edits go one at a time; while one is
-// being solved, later ones of a gesture replace each other, so that the field follows the hand as fast as it can.
+// being solved, later ones of a gesture replace each other, so that the field follows the hand as fast as it can. What
+// is drawn besides the field is asked for when the hand rests, one part after the other, and no longer when the field
+// is another by then.
 import { ask, Refused } from './api.js';
 
-const quietTime = 120;  // ms without an edit before curves are asked for
+const quietTime = 120;  // ms without an edit before curves are asked for, where nothing says that the hand rests
 
 export class Store {
-  /** listeners: state(meta, arrays, mine), details(pack), status(kind, text). */
+  /** listeners: state(pack, mine), follow(pack), parts(): names of what is to be drawn, details(pack, part), complete(result, ms), status(kind, text). */
   constructor(listeners) {
     this.listeners = listeners;
     this.revision = 0;
     this.result = 0;
     this.busy = false;
     this.next = null;
+    this.loaded = {};  // part: the result that it belongs to
+    this.since = performance.now();
   }
 
   async load() {
@@ -24,13 +28,26 @@ export class Store {
   /** Sends a design. Edits of one gesture (a drag) become one step of the history. */
   send(design, gesture = '') {
     this.design = design;
+    this.resting = gesture === '';
     this.next = { path: '/api/edit', body: JSON.stringify(design), gesture };
     return this.run();
   }
 
+  /** A gesture is over: nothing more to wait for. */
+  rest() {
+    this.resting = true;
+    if (!this.busy) this.details();
+  }
+
   step(direction) {
+    return this.post(`/api/${direction}`);
+  }
+
+  /** Another request that answers with a state; nothing while one is on its way. */
+  post(path, parameters = {}) {
     if (this.busy) return null;
-    this.next = { path: `/api/${direction}`, body: '' };
+    this.resting = true;
+    this.next = { path, body: '', parameters };
     return this.run();
   }
 
@@ -38,14 +55,16 @@ export class Store {
     if (this.busy) return;
     this.busy = true;
     clearTimeout(this.timer);
+    this.abort?.abort();
     this.listeners.status('busy', 'Solving…');
     while (this.next) {
-      const { path, body, gesture } = this.next;
+      const { path, body, gesture, parameters = {} } = this.next;
       this.next = null;
-      const parameters = { have: this.result };
-      if (path === '/api/edit') Object.assign(parameters, { base: this.revision, gesture });
+      this.since = performance.now();
+      const query = { have: this.result, ...parameters };
+      if (path === '/api/edit') Object.assign(query, { base: this.revision, gesture });
       try {
-        const pack = await ask(path, parameters, { body });
+        const pack = await ask(path, query, { body });
         if (!this.next) this.take(pack, true, '', path === '/api/edit');
         else this.follow(pack);
       } catch (error) {
@@ -60,7 +79,6 @@ export class Store {
   follow(pack) {
     this.revision = pack.meta.revision;
     this.result = pack.meta.result;
-    this.stale = true;
     this.listeners.follow(pack);
   }
 
@@ -80,25 +98,32 @@ export class Store {
   take(pack, mine, said = '', solved = false) {
     this.revision = pack.meta.revision;
     this.design = pack.meta.design;
-    if (pack.meta.result !== this.result) this.stale = true;
     this.result = pack.meta.result;
     this.listeners.state(pack, mine);
     if (said) return;
     if (pack.meta.problem) this.listeners.status('problem', pack.meta.problem);
     else this.listeners.status('ready', solved ? pack.meta.seconds : 0);
     clearTimeout(this.timer);
-    if (this.stale) this.timer = setTimeout(() => this.details(), mine ? quietTime : 0);
+    this.timer = setTimeout(() => this.details(), mine && !this.resting ? quietTime : 0);
   }
 
+  /** Asks for what is to be drawn and is not there yet. */
   async details() {
+    clearTimeout(this.timer);
+    this.abort?.abort();
+    const { signal } = (this.abort = new AbortController());
     const result = this.result;
     try {
-      const pack = await ask('/api/details', { result });
-      if (result !== this.result) return;
-      this.stale = false;
-      this.listeners.details(pack);
+      for (const part of this.listeners.parts()) {
+        if (this.loaded[part] === result) continue;
+        const pack = await ask('/api/details', { result, part }, { signal });
+        if (signal.aborted || result !== this.result) return;
+        this.loaded[part] = result;
+        this.listeners.details(pack, part);
+      }
+      this.listeners.complete(result, performance.now() - this.since);
     } catch (error) {
-      if (!(error instanceof Refused)) this.failed(error);
+      if (!signal.aborted && !(error instanceof Refused)) this.failed(error);
     }
   }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_panel.js: the parts of the studio's panel that say what the design is and change it.
-import { fraction, h, plain, section, segmented, short, toggle } from './dom.js';
+import { count, fraction, h, plain, section, segmented, short, toggle } from './dom.js';
 import { mark } from './panel.js';
 
 const titles = { source: 'Source', sink: 'Sink', vortex: 'Vortex', spiral: 'Spiral', saddle: 'Saddle', wedge: 'Wedge', trisector: 'Trisector' };
@@ -25,30 +25,99 @@ export function coneIndex(index) {
 export function fieldSection(app) {
   const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
   const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['trivial', 'Cones', 'Flat but for cones that you place']], 'global',
-    (v) => app.change((d) => { d.connection = { ...d.connection, kind: v, ...(v === 'trivial' ? {} : { cones: undefined }) }; }));
+    (v) => app.change((d) => { d.connection = { ...d.connection, kind: v, ...(v === 'trivial' ? {} : { cones: undefined, balance: undefined }) }; }));
   const guidance = segmented('Elsewhere', [['smoothest', 'Smoothest', 'Edits are local: elsewhere the smoothest field'], ['curvature', 'Curvature', 'Elsewhere along the directions of principal curvature'], ['none', 'Free', 'Edits decide everywhere']], 'smoothest', (v) => app.change((d) => {
     d.guidance = { field: v, ...(v === 'none' ? {} : { weight: d.guidance?.weight || 1 }) };
   }));
+  const hold = slider('Hold', { least: 0.01, most: 100, value: 1 }, (v, gesture) => app.change((d) => { d.guidance.weight = v; }, gesture), () => app.store.rest());
+  hold.title = 'How closely the field stays to that, away from edits';
+  const method = segmented('Method', [['variational', 'Exact', 'Controls are held; elsewhere near a field that is given'], ['eigen', 'Eigen', 'The smoothest field that follows strokes and has the singularities']], 'variational', (v) => app.change((d) => setMethod(d, v)));
+  const energy = slider('Energy', { least: -1, most: 1, value: 0, even: true }, (v, gesture) => app.change((d) => { d.s = Number(v.toFixed(2)); }, gesture), () => app.store.rest());
+  energy.title = 'Which derivative counts: −1 antiholomorphic, 0 Dirichlet, 1 holomorphic';
   const boundary = toggle('Along the boundary', false, (v) => app.change((d) => {
     if (v) d.boundary = { align: 'tangent' };
     else delete d.boundary;
   }));
-  boundary.hidden = !app.view.meta.boundary;
-  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, h('h2', { class: 'sub' }, 'Away from edits'), guidance, boundary);
-  element.refresh = (design) => {
+  const features = featureControls(app);
+  const mirror = mirrorControl(app);
+  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, h('h2', { class: 'sub' }, 'Method'), method, h('h2', { class: 'sub' }, 'Away from edits'), guidance, hold, energy, boundary, features, mirror);
+  element.refresh = (design, reports) => {
+    const eigen = design.method === 'eigen';
     n.set(design.n);
     connection.set(design.connection?.kind || 'global');
     guidance.set(design.guidance?.field || 'none');
+    method.set(design.method || 'variational');
+    hold.hidden = !design.guidance?.field || design.guidance.field === 'none';
+    hold.set(design.guidance?.weight ?? 1);
+    energy.set(design.s || 0);
+    boundary.hidden = !app.view.meta.boundary || eigen;
     boundary.set(Boolean(design.boundary));
-    // Principal directions are lines.
-    guidance.querySelector('[data-value=curvature]').disabled = design.n % 2 === 1;
+    features.refresh(design, reports);
+    // Principal directions are lines; the eigen method stays close to nothing.
+    for (const b of guidance.children) b.disabled = (eigen && b.dataset.value !== 'none') || (b.dataset.value === 'curvature' && design.n % 2 === 1);
   };
   return element;
+}
+
+/** Strokes along sharp edges, from an angle on that is found by looking. */
+function featureControls(app) {
+  const on = toggle('Along creases', false, (v) => app.change((d) => {
+    if (v) d.features = { angle: 40 };
+    else delete d.features;
+  }));
+  const angle = slider('Angle', { least: 1, most: 180, value: 40, even: true, unit: '°' }, (v, gesture) => app.change((d) => { d.features.angle = Math.round(v); }, gesture), () => app.store.rest());
+  angle.title = 'Edges that fold by at least this are creases';
+  const weight = slider('Weight', { least: 0.1, most: 1000, value: 1 }, (v, gesture) => app.change((d) => { d.features.weight = v; }, gesture), () => app.store.rest());
+  const said = h('p', { class: 'quiet', role: 'status' });
+  const element = h('div', { class: 'features' }, on, angle, weight, said);
+  element.refresh = (design, reports) => {
+    const wanted = Boolean(design.features);
+    on.set(wanted);
+    on.hidden = design.n % 2 === 1;
+    angle.hidden = weight.hidden = said.hidden = !wanted;
+    if (!wanted) return;
+    angle.set(design.features.angle ?? 40);
+    weight.set(design.features.weight ?? 1);
+    const lines = (app.view.arrays.crease_offsets?.length || 1) - 1, report = (reports || []).find((r) => r.path === '/features');
+    said.textContent = lines ? `${count(lines)} ${lines === 1 ? 'line' : 'lines'}${report ? `, followed to ${short(report.error_degrees)}°` : ''}` : 'No edge folds by that much.';
+  };
+  return element;
+}
+
+/** A plane on whose other side everything happens as well; only those that the surface has. */
+function mirrorControl(app) {
+  const choices = segmented('Mirror', [[-1, 'Off', 'Edits happen once'], ...['X', 'Y', 'Z'].map((name, axis) => [axis, name, `What is edited is edited across the plane ${name} = 0 of the middle as well`])], -1, (v) => {
+    app.mirror.axis = Number(v);
+  });
+  const element = h('div', { hidden: true }, h('h2', { class: 'sub' }, 'Mirror edits'), choices);
+  // Not in the way of the first picture.
+  setTimeout(() => {
+    const axes = app.mirror.axes();
+    element.hidden = !axes.length;
+    for (const b of choices.children) b.disabled = Number(b.dataset.value) >= 0 && !axes.includes(Number(b.dataset.value));
+  }, 300);
+  return element;
+}
+
+/** What the other method does not take is left out; undo brings it back. */
+function setMethod(design, method) {
+  if (method === 'variational') {
+    delete design.method;
+    design.guidance = { field: 'smoothest', weight: 1 };
+    return;
+  }
+  design.method = method;
+  delete design.guidance;
+  delete design.boundary;
+  delete design.fixed;
+  for (const s of design.singularities || []) delete s.pin;
+  for (const s of design.strokes || []) delete s.radius;
 }
 
 /** Kinds are those of the new symmetry: by their sign. */
 function setSymmetry(design, n) {
   design.n = n;
+  if (n % 2 === 1) delete design.features;
   if (n % 2 === 1 && /curvature/.test(design.guidance?.field)) design.guidance.field = 'smoothest';
   const negative = (kind) => kind === 'saddle' || kind === 'trisector';
   for (const s of design.singularities || []) s.kind = kindsOf(n).find(([, index]) => (index < 0) === negative(s.kind))[0];
@@ -66,14 +135,14 @@ export function controlsSection(app) {
       ...(design.singularities || []).map((s, k) => ({
         path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: s.kind,
         label: `${titles[s.kind]} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
-        numbers: () => [slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.change((d) => { d.singularities[k].strength = v; }, gesture))],
+        numbers: () => [slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.edit(k, (one) => { one.strength = v; }, gesture), () => app.store.rest())],
       })),
       ...(design.strokes || []).map((s, k) => ({
         path: `/strokes/${k}`, icon: () => h('i', { class: 'mark stroke' }), chosen: k === app.stroked, kind: 'stroke',
-        label: `Stroke ${k + 1}`, choose: () => app.selectStroke(k), remove: () => app.removeStroke(k),
+        label: s.name ? s.name[0].toUpperCase() + s.name.slice(1) : `Stroke ${k + 1}`, choose: () => app.selectStroke(k), remove: () => app.removeStroke(k),
         numbers: () => [
-          slider('Weight', { least: 0.1, most: 1000, value: s.weight ?? 1 }, (v, gesture) => app.change((d) => { d.strokes[k].weight = v; }, gesture)),
-          slider('Width', { least: 0, most: 0.2 * app.view.meta.diagonal, value: s.radius ?? 0, even: true }, (v, gesture) => app.change((d) => { d.strokes[k].radius = v; }, gesture)),
+          slider('Weight', { least: 0.1, most: 1000, value: s.weight ?? 1 }, (v, gesture) => app.editStroke(k, (one) => { one.weight = v; }, gesture), () => app.store.rest()),
+          ...(app.eigen() ? [] : [slider('Width', { least: 0, most: 0.2 * app.view.meta.diagonal, value: s.radius ?? 0, even: true }, (v, gesture) => app.editStroke(k, (one) => { one.radius = v; }, gesture), () => app.store.rest())]),
         ],
       })),
     ];
@@ -106,19 +175,57 @@ function controlRow({ icon, chosen, numbers, choose, remove }) {
   return { element, update };
 }
 
-/** A number between two ends, on a scale of powers unless it is even. */
-function slider(label, { least, most, value, even }, change) {
+/** A number between two ends, on a scale of powers unless it is even; `rest` when it is let go. */
+function slider(label, { least, most, value, even, unit = '' }, change, rest) {
   const to = (v) => (even ? v : Math.log10(v)), from = (x) => (even ? Number(x) : Number((10 ** x).toPrecision(3)));
-  const shown = h('output', {}, plain(value));
+  const shown = h('output', {});
   const name = () => `slider-${Date.now()}`;
-  let gesture = name();
-  const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / 200, 'aria-label': label, oninput: () => {
+  let gesture = name(), held = false;
+  const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / (unit ? most - least : 200), 'aria-label': label, oninput: () => {
     const v = from(input.value);
-    shown.textContent = plain(v);
+    held = true;
+    shown.textContent = plain(v) + unit;
     change(v, gesture);
-  }, onchange: () => { gesture = name(); } });
-  input.value = to(value);
-  return h('label', { class: 'slider' }, h('span', {}, label), input, shown);
+  }, onchange: () => {
+    gesture = name();
+    held = false;
+    rest?.();
+  } });
+  const row = h('label', { class: 'slider' }, h('span', {}, label), input, shown);
+  row.set = (v) => {
+    if (held) return;  // under the hand
+    input.value = to(v);
+    shown.textContent = plain(v) + unit;
+  };
+  row.set(value);
+  return row;
+}
+
+/** The smoothest fields one after the other, to look at: the design stays as it is. */
+export function modesSection(app) {
+  const numbers = Array.from({ length: 8 }, (_, k) => [k + 1, String(k + 1), `The ${['smoothest', 'second', 'third', 'fourth', 'fifth', 'sixth', 'seventh', 'eighth'][k]}${k ? ' smoothest' : ''} field of this connection`]);
+  const row = segmented('Smoothest field', [[0, 'Design', 'The field of the design'], ...numbers], 0, (k) => app.store.post('/api/mode', { mode: k }));
+  row.classList.add('wrap');
+  const said = h('p', { class: 'quiet' });
+  const element = section('Smoothest fields', row, said);
+  element.refresh = (design, { mode = 0, eigenvalues = [] }) => {
+    row.set(mode);
+    said.textContent = mode ? `λ${mode} = ${short(eigenvalues[mode - 1])}. Export saves this field; the next edit goes back to the design.` : 'The eigenfields of the connection, without controls.';
+  };
+  return element;
+}
+
+/** Sizes, and how long the last answer took. */
+export function memorySection(app) {
+  const list = h('dl', {}), element = section('Figures', list);
+  const size = (bytes) => (bytes < 1e9 ? `${count(Math.round(bytes / 1e6))} MB` : `${short(bytes / 1e9)} GB`);
+  element.refresh = (view, after) => {
+    const rows = [['Vertices', count(view.arrays.positions.length / 3)], ['Faces', count(view.arrays.faces.length / 3)],
+      ...(view.meta.memory ? [['Memory of alcap', size(view.meta.memory)]] : []),
+      ['Field after', `${Math.round(after.field)} ms`], ['Everything after', `${Math.round(after.all)} ms`]];
+    list.replaceChildren(...rows.map(([label, value]) => h('div', { class: 'row' }, h('dt', {}, label), h('dd', {}, value))));
+  };
+  return element;
 }
 
 /** Cones of a trivial connection, and whether they sum to what topology demands. */

@@ -3,7 +3,10 @@
 // surface.js: the mesh in soft light, plain or with a colour per face.
 import { BufferAttribute, BufferGeometry, Color, DoubleSide, Mesh, ShaderMaterial } from 'three';
 
+import { coarsen, makeBlocks, visitBlocks } from './blocks.js';
 import { texture } from './colors.js';
+
+const many = 150000;  // faces: fewer are drawn in full while they turn, however slowly
 
 const vertexShader = /* glsl */ `
 attribute float value;
@@ -61,6 +64,8 @@ export class Surface {
       side: DoubleSide,
       uniforms: { clay: { value: new Color() }, back: { value: new Color() }, map: { value: this.maps.sequential }, range: { value: [0, 1] }, colored: { value: 0 } },
     });
+    this.full = this.smooth;
+    this.values = null;
     this.object = new Mesh(this.smooth, this.material);
     this.object.frustumCulled = false;
   }
@@ -73,45 +78,111 @@ export class Surface {
   /** A value per face, or null for none. */
   color(values, { low, high, diverging } = {}) {
     this.material.uniforms.colored.value = values ? 1 : 0;
-    this.object.geometry = this.smooth;
-    if (!values) return;
-    // Every face needs corners of its own to have one colour.
-    this.split ??= splitFaces(this.positions, this.normals, this.faces);
-    const all = new Float32Array(3 * values.length);
-    for (let t = 0, k = 0; t < values.length; ++t, k += 3) all[k] = all[k + 1] = all[k + 2] = values[t];
-    this.split.setAttribute('value', new BufferAttribute(all, 1));
-    this.object.geometry = this.split;
-    this.material.uniforms.map.value = diverging ? this.maps.diverging : this.maps.sequential;
-    this.material.uniforms.range.value = [low, high];
+    this.values = values;
+    this.full = this.smooth;
+    if (values) {
+      // Every face needs corners of its own to have one colour.
+      this.split ??= geometryOf(splitFaces(this.positions, this.normals, this.faces));
+      this.split.setAttribute('value', new BufferAttribute(spreadOver(values, values.length, (t) => t), 1));
+      this.full = this.split;
+      this.material.uniforms.map.value = diverging ? this.maps.diverging : this.maps.sequential;
+      this.material.uniforms.range.value = [low, high];
+    }
+    this.object.geometry = this.full;
   }
 
-  /** The first hit of a ray: {face, point, barycentric}, or null. Every triangle is tried: 20 ms for a million. */
+  /** Less than 1: while the picture moves and takes too long; large surfaces are drawn coarsely then. */
+  detail(fraction) {
+    const coarse = fraction < 1 && this.faces.length / 3 > many;
+    this.object.geometry = coarse ? this.makeCoarse() : this.full;
+  }
+
+  makeCoarse() {
+    if (!this.coarse) {
+      const made = coarsen(this.positions, this.normals, this.faces, this.smooth.boundingSphere.radius / 90);
+      this.coarse = geometryOf(made);
+      this.originals = made.faces;
+    }
+    if (this.coarseValues !== this.values) {
+      this.coarseValues = this.values;
+      const { values, originals } = this;
+      this.coarse.setAttribute('value', new BufferAttribute(values ? spreadOver(values, originals.length, (k) => originals[k]) : new Float32Array(3 * originals.length), 1));
+    }
+    return this.coarse;
+  }
+
+  /** The first hit of a ray: {face, point, barycentric}, or null. */
   hit(origin, direction) {
     const { positions: P, faces: F } = this;
     const { x: ox, y: oy, z: oz } = origin, { x: dx, y: dy, z: dz } = direction;
+    const o = [ox, oy, oz], inverse = [1 / dx, 1 / dy, 1 / dz];
     let best = Infinity, found = null;
-    for (let t = 0, k = 0; k < F.length; ++t, k += 3) {
-      const a = 3 * F[k], b = 3 * F[k + 1], c = 3 * F[k + 2];
+    const crosses = (boxes, k) => {
+      let near = 0, far = best;
+      for (let c = 0; c < 3; ++c) {
+        const a = (boxes[k + c] - o[c]) * inverse[c], b = (boxes[k + 3 + c] - o[c]) * inverse[c];
+        near = Math.max(near, Math.min(a, b));  // of a ray within the plane of a side: NaN, and the box is tried
+        far = Math.min(far, Math.max(a, b));
+      }
+      return !(near > far * (1 + 1e-6) + 1e-30);
+    };
+    this.blocks ??= makeBlocks(P, F);
+    visitBlocks(this.blocks, crosses, (t) => {
+      const a = 3 * F[3 * t], b = 3 * F[3 * t + 1], c = 3 * F[3 * t + 2];
       const ax = P[a], ay = P[a + 1], az = P[a + 2];
       const ux = P[b] - ax, uy = P[b + 1] - ay, uz = P[b + 2] - az;
       const vx = P[c] - ax, vy = P[c + 1] - ay, vz = P[c + 2] - az;
       const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx;
       const det = ux * px + uy * py + uz * pz;
-      if (det === 0) continue;
+      if (det === 0) return;
       const sx = ox - ax, sy = oy - ay, sz = oz - az;
       const u = (sx * px + sy * py + sz * pz) / det;
-      if (u < 0 || u > 1) continue;
+      if (u < 0 || u > 1) return;
       const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
       const v = (dx * qx + dy * qy + dz * qz) / det;
-      if (v < 0 || u + v > 1) continue;
+      if (v < 0 || u + v > 1) return;
       const s = (vx * qx + vy * qy + vz * qz) / det;
       if (s > 0 && s < best) {
         best = s;
         found = { face: t, barycentric: [1 - u - v, u, v] };
       }
-    }
+    });
     if (found) found.point = [ox + best * dx, oy + best * dy, oz + best * dz];
     return found;
+  }
+
+  /** The point of the surface nearest to a point: {face, point, barycentric, distance}. */
+  nearest(point) {
+    this.blocks ??= makeBlocks(this.positions, this.faces);
+    let found = { distance: Infinity };
+    const gap = (boxes, k) => {
+      let sum = 0;
+      for (let c = 0; c < 3; ++c) {
+        const x = point[c], out = x < boxes[k + c] ? boxes[k + c] - x : x > boxes[k + 3 + c] ? x - boxes[k + 3 + c] : 0;
+        sum += out * out;
+      }
+      return Math.sqrt(sum);
+    };
+    const look = (t) => {
+      const barycentric = nearestIn(this.corners(t), point);
+      const p = this.at(t, barycentric), distance = Math.hypot(...p.map((x, c) => x - point[c]));
+      if (distance < found.distance) found = { face: t, barycentric, point: p, distance };
+    };
+    // The nearest box first: few others are closer than what is in it.
+    const { boxes } = this.blocks;
+    let first = 0;
+    for (let k = 6, least = gap(boxes, 0); k < boxes.length; k += 6) {
+      const here = gap(boxes, k);
+      if (here < least) [least, first] = [here, k];
+    }
+    visitBlocks(this.blocks, (_, k) => k === first, look);
+    visitBlocks(this.blocks, (all, k) => k !== first && gap(all, k) < found.distance, look);
+    return found;
+  }
+
+  at(face, barycentric) {
+    const corners = this.corners(face);
+    return [0, 1, 2].map((c) => barycentric[0] * corners[0][c] + barycentric[1] * corners[1][c] + barycentric[2] * corners[2][c]);
   }
 
   /** Corners of a face as arrays of three numbers. */
@@ -153,8 +224,38 @@ function splitFaces(P, N, F) {
       normals[3 * k + c] = N[v + c];
     }
   }
+  return { positions, normals };
+}
+
+function geometryOf({ positions, normals }) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(positions, 3));
   geometry.setAttribute('normal', new BufferAttribute(normals, 3, true));
   return geometry;
+}
+
+/** The value of a face at each of its three corners. */
+function spreadOver(values, number, face) {
+  const all = new Float32Array(3 * number);
+  for (let t = 0, k = 0; t < number; ++t, k += 3) all[k] = all[k + 1] = all[k + 2] = values[face(t)];
+  return all;
+}
+
+/** Barycentric coordinates of the point of a triangle that is nearest to p (Ericson 2004, Sec. 5.1.5). */
+function nearestIn([a, b, c], p) {
+  const minus = (x, y) => [x[0] - y[0], x[1] - y[1], x[2] - y[2]], times = (x, y) => x[0] * y[0] + x[1] * y[1] + x[2] * y[2];
+  const ab = minus(b, a), ac = minus(c, a), ap = minus(p, a), bp = minus(p, b), cp = minus(p, c);
+  const d1 = times(ab, ap), d2 = times(ac, ap), d3 = times(ab, bp), d4 = times(ac, bp), d5 = times(ab, cp), d6 = times(ac, cp);
+  if (d1 <= 0 && d2 <= 0) return [1, 0, 0];
+  if (d3 >= 0 && d4 <= d3) return [0, 1, 0];
+  if (d6 >= 0 && d5 <= d6) return [0, 0, 1];
+  const vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return [1 - d1 / (d1 - d3), d1 / (d1 - d3), 0];
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return [1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)];
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) {
+    const w = (d4 - d3) / (d4 - d3 + (d5 - d6));
+    return [0, 1 - w, w];
+  }
+  const whole = va + vb + vc;
+  return [va / whole, vb / whole, vc / whole];
 }

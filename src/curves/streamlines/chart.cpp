@@ -9,6 +9,7 @@
 #include <string>
 
 #include "src/base/array.h"
+#include "src/base/parallel.h"
 #include "src/connection/edge_to_face.h"
 #include "src/mesh/position.h"
 
@@ -48,22 +49,46 @@ Flow::Flow(const ConnectedSurface& surface, const Field& field)
   for (std::size_t k = 0; k < zeros_.size(); ++k) zero_of_[detail::at(zeros_[k].face)] = static_cast<Index>(k);
 }
 
+Flow::Kept Flow::kept(Index t) const {
+  Kept out;
+  out.corner = geometry_.length(mesh_.edge(3 * t + 2)) * kernels::unit(geometry_.angle(3 * t));
+  for (int c = 0; c < 3; ++c) {
+    const Index h = 3 * t + c;
+    const Complex<double> u = field_.u[mesh_.tail(h)];
+    out.value[c] = Cplx{u.real(), u.imag()} * kernels::unit(-field_.n * connection_.rho_t[h]);
+  }
+  return out;
+}
+
+void Flow::keep_charts() {
+  constexpr Index most = 3 * (Index{1} << 19);
+  if (mesh_.faces() > most) return;
+  std::vector<Kept> all(detail::at(mesh_.faces()));
+  parallel_for(mesh_.faces(), [&](std::int64_t k) {
+    const auto t = static_cast<Index>(k);
+    const Eigen::RowVector3d n = normal(t);
+    all[detail::at(k)] = kept(t);
+    all[detail::at(k)].normal = {n[0], n[1], n[2]};
+  });
+  kept_ = std::move(all);
+}
+
 FaceChart Flow::chart(Index t, int sign) const {
   FaceChart out;
   out.face = t;
+  const Kept ready = kept_.empty() ? kept(t) : kept_[detail::at(t)];
   const double n = field_.n, l0 = geometry_.length(mesh_.edge(3 * t)), l1 = geometry_.length(mesh_.edge(3 * t + 1)),
                l2 = geometry_.length(mesh_.edge(3 * t + 2));
   out.size = std::max({l0, l1, l2});
   out.corner[0] = {0, 0};
   out.corner[1] = {l0, 0};
-  out.corner[2] = l2 * kernels::unit(geometry_.angle(3 * t));
+  out.corner[2] = ready.corner;
   const double half = 0.5 / geometry_.area(t), flip = sign < 0 && field_.n % 2 == 1 ? -1.0 : 1.0;
   for (int c = 0; c < 3; ++c) {
     const Index h = 3 * t + c;
     out.grad[c] = half * kernels::times_i(out.corner[(c + 2) % 3] - out.corner[(c + 1) % 3]);
     out.turn[c] = n * connection_.tau[h];
-    const Complex<double> u = field_.u[mesh_.tail(h)];
-    out.value[c] = Cplx{flip * u.real(), flip * u.imag()} * kernels::unit(-n * connection_.rho_t[h]);
+    out.value[c] = flip * ready.value[c];
   }
   return out;
 }
@@ -123,6 +148,7 @@ Eigen::RowVector3d Flow::direction(const FaceChart& chart, const Cplx& v) const 
 }
 
 Eigen::RowVector3d Flow::normal(Index t) const {
+  if (!kept_.empty()) return Eigen::RowVector3d::Map(kept_[detail::at(t)].normal.data());
   const Eigen::RowVector3d a = V_.row(mesh_.F()(t, 0));
   return (Eigen::RowVector3d(V_.row(mesh_.F()(t, 1))) - a)
       .cross(Eigen::RowVector3d(V_.row(mesh_.F()(t, 2))) - a)

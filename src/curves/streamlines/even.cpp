@@ -4,10 +4,12 @@
 // curves that are there, at the distance of the spacing. Every round takes at most one seed from each side of the
 // oldest curves, traces all of them in parallel against the curves that are there, and accepts them in order, cut where
 // an earlier one of the same round is in the way.
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "src/base/array.h"
@@ -21,8 +23,10 @@ namespace alcap::detail {
 namespace {
 
 constexpr std::size_t round_size = 64;  // sides that may give a seed in one round: enough for many threads
+constexpr std::size_t batch_size = 4;   // curves traced at the same time: more would get into each other's way
 constexpr double seed_distance = 0.9;   // of the spacing: straight lines over curved surfaces end closer in space
 constexpr double samples_apart = 0.5;   // of the smallest distance allowed
+constexpr double plane_error = 0.15;    // of the spacing: seeds on bent surfaces lie so far from the tangent plane
 constexpr std::size_t seed_stride = 2;  // samples from one place of seeds to the next along a curve
 constexpr double own_past = 3;          // smallest distances: so much of its own past a curve is always close to
 constexpr double closing = 0.1;         // of the smallest distance: a curve that passes its start closer is closed
@@ -145,10 +149,17 @@ class EvenlySpaced {
     if (!free(all_, seed.sample, seed_distance * spacing_)) return std::nullopt;
     return seed;
   }
+  /// Whether a curve passes the place beside a station closely, as seen in the tangent plane: spares the walk there.
+  [[nodiscard]] bool surely_taken(const Station& s, double turn) const {
+    CurveSample there = s.sample;
+    there.x += turn * spacing_ * s.sample.normal.cross(s.sample.direction);
+    return !free(all_, there, (seed_distance - plane_error) * spacing_);
+  }
   /// The next seed beside a curve; `side.next` is then its station, or past the end.
   [[nodiscard]] std::optional<Seed> beside(Side& side) const {
     for (; side.next < side.stations->size(); side.next += seed_stride) {
       const Station& s = (*side.stations)[side.next];
+      if (surely_taken(s, side.turn)) continue;
       std::vector<SurfacePoint> way;
       Cplx turned{1, 0};
       const Straight there = flow_.straight_on(s.point, side.turn * kernels::times_i(s.v), spacing_, way, turned);
@@ -247,6 +258,14 @@ class EvenlySpaced {
   }
 
   void trace_and_accept(const std::vector<Seed>& seeds) {
+    for (std::size_t first = 0; first < seeds.size(); first += batch_size)
+      trace_batch({seeds.data() + first, std::min(batch_size, seeds.size() - first)});
+  }
+
+  void trace_batch(std::span<const Seed> all) {
+    std::vector<Seed> seeds;
+    for (const Seed& seed : all)
+      if (free(all_, seed.sample, seed_distance * spacing_)) seeds.push_back(seed);
     std::vector<Draft> drafts(seeds.size());
     limits_.work = budget_.each_of(2 * count_of(seeds));
     parallel_for(
@@ -296,7 +315,8 @@ CurveSet streamlines(const ConnectedSurface& surface, const Field& field, const 
   detail::check(options);
   return controlled(options.control, [&] {
     detail::report_phase("curves");
-    const detail::Flow flow(surface, field);
+    detail::Flow flow(surface, field);
+    flow.keep_charts();
     bool complete = true;
     CurveSet set = detail::collect(flow, detail::EvenlySpaced(flow, options).run(complete));
     set.complete = set.complete && complete;

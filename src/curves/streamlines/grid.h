@@ -27,11 +27,12 @@ class SampleGrid {
   void insert(const CurveSample& sample) {
     if (2 * samples_.size() >= table_.size()) grow();
     samples_.push_back(sample);
+    places_.push_back({{sample.x[0], sample.x[1], sample.x[2]}, -1});
     link(samples_.size() - 1);
   }
   void clear() {
     samples_.clear();
-    next_.clear();
+    places_.clear();
     table_.assign(64, Slot{});
   }
 
@@ -46,9 +47,10 @@ class SampleGrid {
     for (std::int64_t i = low[0]; i <= high[0]; ++i)
       for (std::int64_t j = low[1]; j <= high[1]; ++j)
         for (std::int64_t k = low[2]; k <= high[2]; ++k)
-          for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = next_[at(s)]) {
-            const CurveSample& sample = samples_[at(s)];
-            if ((sample.x - x).squaredNorm() < radius * radius && hit(sample)) return true;
+          for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = places_[at(s)].next) {
+            const Place& place = places_[at(s)];
+            const double dx = place.x[0] - x[0], dy = place.x[1] - x[1], dz = place.x[2] - x[2];
+            if (dx * dx + dy * dy + dz * dz < radius * radius && hit(samples_[at(s)])) return true;
           }
     return false;
   }
@@ -57,6 +59,12 @@ class SampleGrid {
   struct Slot {
     std::uint64_t key = 0;
     std::int64_t head = -1;  // of the list of the cell's samples; none: a free slot
+  };
+
+  /// What every query reads, close together.
+  struct Place {
+    double x[3];
+    std::int64_t next;  // in the list of its cell
   };
 
   // Places beyond the range share a cell.
@@ -81,8 +89,7 @@ class SampleGrid {
     const Eigen::RowVector3d& x = samples_[sample].x;
     const std::uint64_t here = key(cell_of(x[0]), cell_of(x[1]), cell_of(x[2]));
     Slot& s = table_[position(here)];
-    next_.resize(samples_.size());
-    next_[sample] = s.head;
+    places_[sample].next = s.head;
     s = {here, static_cast<std::int64_t>(sample)};
   }
   void grow() {
@@ -92,7 +99,7 @@ class SampleGrid {
 
   double cell_;
   std::vector<CurveSample> samples_;
-  std::vector<std::int64_t> next_;
+  std::vector<Place> places_;
   std::vector<Slot> table_;  // a power of two, at most half full
 };
 
