@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
-# alcap::petsc, the backends by PETSc and SLEPc (alcap/petsc.h), in a library of its own: alcap itself knows no MPI.
+# alcap::petsc, the backends by PETSc and SLEPc (alcap/petsc.h), and alcap::distributed, fields over many machines
+# (alcap/distributed.h), in libraries of their own: alcap itself knows no MPI.
 # ALCAP_WITH_PETSC=AUTO builds it where both are found, as complex builds. PETSC_DIR and SLEPC_DIR (variables or
 # environment) say where; Debian's folders are known.
 
@@ -57,4 +58,20 @@ set_target_properties(alcap_petsc PROPERTIES
   EXPORT_NAME petsc VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 if(ALCAP_INSTALL)
   install(TARGETS alcap_petsc EXPORT alcapTargets)
+endif()
+
+file(GLOB alcap_distributed_sources CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR} src/distributed/*.cpp)
+add_library(alcap_distributed ${alcap_distributed_sources})
+add_library(alcap::distributed ALIAS alcap_distributed)
+alcap_private_flags(alcap_distributed)
+alcap_harden(alcap_distributed)
+target_include_directories(alcap_distributed SYSTEM PRIVATE
+  ${ALCAP_PETSC_INCLUDE_DIR} ${ALCAP_SLEPC_INCLUDE_DIR} ${MPI_CXX_INCLUDE_DIRS})
+target_compile_definitions(alcap_distributed PRIVATE $<TARGET_PROPERTY:alcap_petsc,COMPILE_DEFINITIONS>)
+target_link_libraries(alcap_distributed PUBLIC alcap alcap_petsc
+  PRIVATE TBB::tbb $<BUILD_INTERFACE:alcap_dep_JSON> ${ALCAP_SLEPC_LIBRARY} ${ALCAP_PETSC_LIBRARY} ${MPI_CXX_LIBRARIES})
+set_target_properties(alcap_distributed PROPERTIES
+  EXPORT_NAME distributed VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+if(ALCAP_INSTALL)
+  install(TARGETS alcap_distributed EXPORT alcapTargets)
 endif()

@@ -26,6 +26,7 @@ set(layers
   "src/design              | controls aligned designer eigen_design design_file"
   "src/io/field            | output handoff"
   "src/run                 | field_run design_run batch plan alcap"
+  "src/distributed         | distributed"
   "apps                    |"
   "c                       | alcap_c"
   "python                  |")
@@ -45,8 +46,8 @@ set(doors
   "^(suitesparse/)?(cholmod|umfpack|SuiteSparse_config|amd|camd|colamd|metis|cblas|lapacke|openblas_config)\\.h$ = ^solvers/linear/cholmod[^/]*\\.cpp$"
   "^Eigen/(Cholmod|UmfPack|SPQR|Metis)Support$ = ^solvers/linear/cholmod[^/]*\\.cpp$"
   "^Spectra/ = ^solvers/"
-  "^(petsc|slepc)[a-z]*\\.h$ = ^solvers/petsc/"
-  "^mpi\\.h$ = ^solvers/petsc/"
+  "^(petsc|slepc)[a-z]*\\.h$ = ^(solvers/petsc|src/distributed)/"
+  "^mpi\\.h$ = ^(solvers/petsc|src/distributed)/"
   "^(EGL/|GLES3/|png\\.h$) = ^apps/alcap/picture/[^/]*$"
   "^httplib\\.h$ = ^apps/alcap/studio/studio_server\\.cpp$"
   "^(arpa/inet|netinet/in|sys/socket)\\.h$ = ^apps/alcap/studio/"

@@ -2,8 +2,9 @@
 //
 // ply.cpp: the mesh with the field at its vertices, binary little endian, everything in double: what read_ply.cpp reads
 // back bit for bit. Programs that know only meshes see a mesh with normals.
+#include "src/io/field/ply_rows.h"
+
 #include "alcap/version.h"
-#include "src/field/branches.h"
 #include "src/io/field/format.h"
 #include "src/io/field/rows.h"
 
@@ -28,7 +29,24 @@ std::string describe(const Connection& c) {
   return text;
 }
 
-std::string header(const FieldOutput& out) {
+WrittenFiles write_ply(const FieldJob& job, const Target& target) {
+  const FieldOutput& out = job.out;
+  const Branches branches(out.field.n);
+  const Mesh& mesh = out.surface.mesh();
+  WrittenFiles files = open_files({target.file});
+  AtomicFile& file = *files[0];
+  file.write(ply_field_header(out.field.n, out.surface.connection(), mesh.vertices(), mesh.faces()));
+  write_table(file, mesh.vertices(), ply_vertex_bytes, [&](std::int64_t i, char* to) {
+    return put_ply_vertex(out.surface.V(), out.field, *out.field.frames, branches, static_cast<Index>(i), to);
+  });
+  write_table(file, mesh.faces(), ply_face_bytes,
+              [&](std::int64_t t, char* to) { return put_ply_face(mesh.F(), static_cast<Index>(t), to); });
+  return files;
+}
+
+}  // namespace
+
+std::string ply_field_header(int n, const Connection& connection, std::int64_t vertices, std::int64_t faces) {
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text += std::string("comment n-vector field, written by alcap ") + version() + "\n";
   text += "comment u = u_re + i u_im is the n-th power of any of the n branches, in the frame of its vertex\n";
@@ -36,44 +54,35 @@ std::string header(const FieldOutput& out) {
   text += "comment r (cos(a) axis + sin(a) normal x axis); d_x d_y d_z is branch 0, argument arg(u) / n\n";
   text += "comment all of it is zero at vertices that no face uses\n";
   text += "obj_info alcap_field 1\n";
-  text += "obj_info n " + std::to_string(out.field.n) + "\n";
-  text += describe(out.surface.connection());
-  text += "element vertex " + std::to_string(out.surface.mesh().vertices()) + "\n";
+  text += "obj_info n " + std::to_string(n) + "\n";
+  text += describe(connection);
+  text += "element vertex " + std::to_string(vertices) + "\n";
   for (const char* name :
        {"x", "y", "z", "nx", "ny", "nz", "axis_x", "axis_y", "axis_z", "u_re", "u_im", "d_x", "d_y", "d_z"}) {
     text += std::string("property double ") + name + "\n";
   }
-  text += "element face " + std::to_string(out.surface.mesh().faces()) + "\n";
+  text += "element face " + std::to_string(faces) + "\n";
   text += "property list uchar int vertex_indices\nend_header\n";
   return text;
 }
 
-WrittenFiles write_ply(const FieldJob& job, const Target& target) {
-  const FieldOutput& out = job.out;
-  const Branches branches(out.field.n);
-  WrittenFiles files = open_files({target.file});
-  AtomicFile& file = *files[0];
-  file.write(header(out));
-  write_table(file, out.surface.mesh().vertices(), 14 * sizeof(double), [&](std::int64_t i, char* to) {
-    const auto v = static_cast<Index>(i);
-    const Eigen::RowVector3d d = branches.at(out.field, v).vector(0);
-    for (int c = 0; c < 3; ++c) to = put_binary(to, out.surface.V()(v, c));
-    for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->N(v, c));
-    for (int c = 0; c < 3; ++c) to = put_binary(to, out.field.frames->X(v, c));
-    to = put_binary(to, out.field.u[v].real());
-    to = put_binary(to, out.field.u[v].imag());
-    for (int c = 0; c < 3; ++c) to = put_binary(to, d[c]);
-    return to;
-  });
-  write_table(file, out.surface.mesh().faces(), 1 + 3 * sizeof(std::int32_t), [&](std::int64_t t, char* to) {
-    to = put_binary(to, std::uint8_t{3});
-    for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{out.surface.mesh().F()(t, c)});
-    return to;
-  });
-  return files;
+char* put_ply_vertex(const Positions<double>& V, const Field& field, const Frames& frames, const Branches& branches,
+                     Index v, char* to) {
+  const Eigen::RowVector3d d = branches.at(field, v).vector(0);
+  for (int c = 0; c < 3; ++c) to = put_binary(to, V(v, c));
+  for (int c = 0; c < 3; ++c) to = put_binary(to, frames.N(v, c));
+  for (int c = 0; c < 3; ++c) to = put_binary(to, frames.X(v, c));
+  to = put_binary(to, field.u[v].real());
+  to = put_binary(to, field.u[v].imag());
+  for (int c = 0; c < 3; ++c) to = put_binary(to, d[c]);
+  return to;
 }
 
-}  // namespace
+char* put_ply_face(const Faces& F, Index t, char* to) {
+  to = put_binary(to, std::uint8_t{3});
+  for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{F(t, c)});
+  return to;
+}
 
 const OutputFormat ply_field_format = {"ply", false, write_ply};
 

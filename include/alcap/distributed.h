@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: MIT
+//
+// distributed.h: smoothest n-vector fields of meshes that no single machine could hold: every rank of an MPI program
+// reads a slice of the file, owns a part of the vertices, and does its part of each step. Optional: the library
+// alcap::distributed, built where PETSc, SLEPc and MPI are found; not included by alcap.h. The program alcap-mpi is
+// this header on the command line.
+//
+//   alcap::MeshSlice mesh = alcap::read_mesh_slice("huge.ply");               // on every rank, as all that follows
+//   alcap::DistributedField field = alcap::distributed_field(mesh, {.n = 4});
+//   alcap::write_distributed_ply("huge-field.ply", mesh, field);              // one file, by all ranks together
+//
+// All functions are collective: every rank of MPI_COMM_WORLD calls them, with the same options, and each is given the
+// same results but for what is said to be of a slice. What one rank throws, all ranks throw. PETSc, and MPI unless the
+// program did, are initialised by the first call, without signal handlers and configuration files, and finalised when
+// the program ends. One thread per rank may call; it should limit what the library uses itself, which is every core.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "alcap/connection.h"
+#include "alcap/field.h"
+#include "alcap/singularities.h"
+#include "alcap/solve.h"
+
+namespace alcap {
+
+/// This process's number, and how many there are.
+[[nodiscard]] int distributed_rank();
+[[nodiscard]] int distributed_ranks();
+
+/// Ends all ranks at once with an exit code, for failures that only this rank knows of.
+[[noreturn]] void distributed_abort(int exit_code);
+
+/// One rank's slice of a mesh, in the users' numbering: rank r of P has the vertices and the faces from
+/// slice_begin(count, r, P) to slice_begin(count, r + 1, P).
+struct MeshSlice {
+  std::int64_t vertices = 0;      ///< of the whole mesh
+  std::int64_t faces = 0;         ///< of the whole mesh
+  std::int64_t first_vertex = 0;  ///< the number of the slice's first vertex
+  std::int64_t first_face = 0;    ///< the number of the slice's first face
+  Positions<double> V;            ///< points of the slice's vertices
+  Faces F;                        ///< the slice's triangles, with vertex numbers of the whole mesh
+};
+
+/// Where slice `rank` of `ranks` begins.
+[[nodiscard]] constexpr std::int64_t slice_begin(std::int64_t count, int rank, int ranks) {
+  return count / ranks * rank + count % ranks * rank / ranks;
+}
+
+/// Reads this rank's slice of a binary PLY file, little or big endian, of triangles only, by MPI-IO: no rank reads
+/// more. Properties and elements that are not of use are stepped over where their rows have a fixed length. Throws
+/// FileError.
+[[nodiscard]] MeshSlice read_mesh_slice(const std::string& path);
+
+/// This rank's slice of a mesh that every rank has.
+[[nodiscard]] MeshSlice slice_of(const Positions<double>& V, const Faces& F);
+
+/// Who owns which vertices.
+enum class PartitionMethod {
+  scotch,  ///< PT-Scotch on the graph of the edges: equal parts with short borders
+  slices,  ///< as the users' numbers come: for files that are sorted in space already
+};
+template <>
+struct NamesOf<PartitionMethod> {
+  static constexpr auto table =
+      detail::name_table<PartitionMethod>({{PartitionMethod::scotch, "scotch"}, {PartitionMethod::slices, "slices"}});
+};
+
+/// Which field, and how.
+struct DistributedOptions {
+  int n = 1;                         // degree
+  double s = 0;                      // of the energy E_s, see energies.h
+  ConnectionChoice connection = {};  // polar, polar-barycenter, local or global
+  GlobalOptions global = {};         // weights and tolerance of the global connection
+  double tolerance = 1e-8;           // as EigenOptions::tolerance, recomputed
+  int max_iterations = 1000;         // of the eigensolver, per component
+  std::uint64_t seed = 1;            // of its start vectors
+  PartitionMethod partition = PartitionMethod::scotch;
+  /// Components of up to so many vertices are solved each by one rank, as on one machine and with the same proof.
+  Index gather_below = 1000;
+};
+
+/// One connected component.
+struct DistributedComponent {
+  std::int64_t vertices = 0;        ///< that faces use
+  std::int64_t edges = 0;           ///< how many
+  std::int64_t faces = 0;           ///< how many
+  std::int64_t first_face = 0;      ///< the smallest
+  std::int64_t boundary_loops = 0;  ///< how many
+  std::int64_t euler = 0;           ///< vertices - edges + faces
+  double area = 0;                  ///< sum of its faces'
+  EigenReport eigen;                ///< how its field was found; seconds are those of all components
+  IndexSum indices;                 ///< Poincare-Hopf
+};
+
+/// What a phase took, over the ranks.
+struct PhaseCost {
+  std::string name;        ///< "read", "partition", "geometry", "connection", "assembly", "solve", "analysis", "write"
+  double seconds[3]{};     ///< least, mean and most wall clock of a rank
+  double bytes_sent[3]{};  ///< by a rank to others: least, mean, most; without collective sums and MPI-IO
+  double messages[3]{};    ///< sent by a rank: least, mean, most
+  double memory[3]{};      ///< resident bytes of a rank at the end of the phase: least, mean, most
+};
+
+/// A field over all ranks, and how it was found.
+struct DistributedField {
+  int n = 1;                               ///< degree
+  ComplexVectorX<double> u;                ///< values at the vertices of this rank's slice; |u|_M = 1 on each component
+  Frames frames;                           ///< of the vertices of this rank's slice
+  std::vector<Singularity> singularities;  ///< of the whole mesh, ascending by face
+  std::vector<DistributedComponent> components;  ///< in the order of their smallest faces
+  ConnectionKind kind = ConnectionKind::global;  ///< how the connection was built
+  PolarCenter center = PolarCenter::incenter;    ///< of a polar map
+  GlobalOptions global;                          ///< weights that it was optimised or measured with
+  ConnectionReport connection;                   ///< how it was found
+  std::string partition;                         ///< the method, and why another than asked for
+  std::int64_t owned[3]{};                       ///< vertices that a rank owns: least, mean, most
+  std::int64_t held[3]{};                        ///< vertices that a rank holds: least, mean, most
+  std::int64_t cut_edges = 0;                    ///< edges between vertices of different ranks
+  std::vector<PhaseCost> phases;                 ///< in the order they ran
+};
+
+/// The smoothest n-field. Throws MeshError for a mesh that cannot be used, numbers as users count, OptionError,
+/// SolveError.
+[[nodiscard]] DistributedField distributed_field(const MeshSlice& mesh, const DistributedOptions& options = {});
+
+/// One binary PLY in the users' numbering, byte for byte laid out as write_field() does it. The file appears complete
+/// or not at all. Adds its phase. Throws FileError.
+void write_distributed_ply(const std::string& path, const MeshSlice& mesh, DistributedField& field);
+
+}  // namespace alcap

@@ -1,0 +1,378 @@
+// SPDX-License-Identifier: MIT
+//
+// connect_global.cpp: the globally optimal connection by conjugate gradients on corrections of edges, as
+// src/connection/global/ has it on one machine, in double and with single faces. An edge is owned with its smaller
+// vertex. Its owner has both of its faces, whose other edges' corrections come from their owners in every step.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "kernels/face_relaxation.h"
+#include "src/base/array.h"
+#include "src/base/cancel.h"
+#include "src/base/parallel.h"
+#include "src/connection/global/edge_correction.h"
+#include "src/distributed/connect.h"
+
+namespace alcap::detail::distributed {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+using Values = std::array<double, 3>;  // of an edge: mean, difference, rotation
+static_assert(sizeof(Values) == sizeof(EdgeCorrection));
+
+/// The edges of core faces: owned ones first, then those of others.
+struct EdgeNumbers {
+  std::vector<Index> number;  // per edge of the mesh, or `none`
+  std::vector<Index> edge;    // back
+  Index owned = 0;
+  Exchange others;  // roots: owned ones; leaves: the rest
+};
+
+/// The edges from vertex v to larger ones, by the number of those. Complete around inner vertices.
+std::vector<Index> edges_up(const Patch& patch, Index v) {
+  struct Up {
+    Index vertex, edge;
+  };
+  std::vector<Up> up;
+  const auto add = [&](Index other, Index e) {
+    if (patch.vertex[at(other)] > patch.vertex[at(v)]) up.push_back({patch.vertex[at(other)], e});
+  };
+  patch.mesh.for_each_outgoing(v, [&](Index h) {
+    add(patch.mesh.tip(h), patch.mesh.edge(h));
+    const Index p = Mesh::prev(h);
+    if (patch.mesh.boundary_halfedge(p)) add(patch.mesh.tail(p), patch.mesh.edge(p));
+  });
+  std::ranges::sort(up, {}, &Up::vertex);
+  std::vector<Index> edges;
+  for (const Up& u : up) edges.push_back(u.edge);
+  return edges;
+}
+
+EdgeNumbers number_edges_of(const Patch& patch) {
+  const Mesh& mesh = patch.mesh;
+  EdgeNumbers n;
+  n.number.assign(at(mesh.edges()), none);
+  std::vector<Index> first(at(patch.inner), 0);  // number of the first edge up from each owned vertex
+  for (Index v = 0; v < patch.owned; ++v) {
+    first[at(v)] = static_cast<Index>(n.edge.size());
+    if (patch.empty()) continue;
+    for (const Index e : edges_up(patch, v)) {
+      n.number[at(e)] = static_cast<Index>(n.edge.size());
+      n.edge.push_back(e);
+    }
+  }
+  n.owned = static_cast<Index>(n.edge.size());
+  patch.extend(first.data());
+  std::vector<char> wanted(at(mesh.edges()), 0);
+  for (Index h = 0; h < mesh.halfedges(); ++h)
+    if (patch.core[at(h / 3)] != 0 && n.number[at(mesh.edge(h))] == none) wanted[at(mesh.edge(h))] = 1;
+  std::vector<Node> nodes;
+  for (Index v = patch.owned; v < (patch.empty() ? 0 : patch.inner); ++v) {
+    const std::vector<Index> up = edges_up(patch, v);
+    for (std::size_t k = 0; k < up.size(); ++k) {
+      if (wanted[at(up[k])] == 0) continue;
+      n.number[at(up[k])] = static_cast<Index>(n.edge.size());
+      n.edge.push_back(up[k]);
+      nodes.push_back({patch.ring_node[at(v - patch.owned)].rank, first[at(v)] + static_cast<Index>(k)});
+    }
+  }
+  n.others = Exchange(n.owned, nodes);
+  return n;
+}
+
+class TogetherSystem {
+ public:
+  TogetherSystem(const Patch& patch, const PatchWeights& weights, double lambda, const Connection& c,
+                 const LiftedResiduals& r)
+      : patch_(patch),
+        mesh_(patch.mesh),
+        edges_(number_edges_of(patch)),
+        c_(c),
+        r_(r),
+        face_(at(patch.mesh.faces())),
+        force_(at(patch.mesh.halfedges())),
+        corners(at(patch.mesh.halfedges()), 0),
+        x(edges_.edge.size(), Values{}) {
+    each_core([&](Index t) {
+      const Index h = 3 * t;
+      const double cot[3] = {patch.geometry.cot(h), patch.geometry.cot(h + 1), patch.geometry.cot(h + 2)};
+      double p[3];
+      for (Index k = 0; k < 3; ++k) p[k] = mesh_.boundary_halfedge(h + k) ? 0 : lambda * weights(h + k);
+      kernels::face_coefficients(cot, p, face_[at(t)]);
+    });
+    set_blocks();
+    rounding_ = rounding(lambda, weights);
+  }
+
+  [[nodiscard]] Index owned() const { return edges_.owned; }
+  [[nodiscard]] const EdgeNumbers& edges() const { return edges_; }
+  [[nodiscard]] double rounding() const { return rounding_; }
+
+  /// Forces on owned edges: in the lifted state with corrections `at_edges`, or at rest. Fetches what others own.
+  void forces(std::vector<Values>& at_edges, bool at_rest, std::vector<Values>& out) {
+    edges_.others.fetch(at_edges.data(), at_edges.data() + edges_.owned);
+    each_core([&](Index t) { relax(t, at_edges, at_rest); });
+    parallel_for(edges_.owned, [&](std::int64_t i) {
+      const Index h = mesh_.halfedge(edges_.edge[at(i)]), g = mesh_.twin(h);
+      const Values& a = force_[at(h)];
+      out[at(i)] = {a[0], a[1], -a[2]};
+      if (g == none) return;
+      const Values& b = force_[at(g)];
+      out[at(i)] = {a[0] + b[0], a[1] - b[1], b[2] - a[2]};
+    });
+  }
+
+  /// z = P v, the inverse of every edge's own block.
+  void precondition(const std::vector<Values>& v, std::vector<Values>& z) const {
+    parallel_for(edges_.owned, [&](std::int64_t i) {
+      const double in[3] = {v[at(i)][0], v[at(i)][1], v[at(i)][2]};
+      double out[3];
+      kernels::multiply_symmetric(inverse_[at(i)].a, in, out);
+      z[at(i)] = {out[0], out[1], out[2]};
+    });
+  }
+
+  [[nodiscard]] double dot(const std::vector<Values>& a, const std::vector<Values>& b) const {
+    return sum(parallel_sum<double>(edges_.owned, [&](std::int64_t i) {
+      return a[at(i)][0] * b[at(i)][0] + a[at(i)][1] * b[at(i)][1] + a[at(i)][2] * b[at(i)][2];
+    }));
+  }
+
+ private:
+  struct Block {
+    double a[6];
+  };
+
+  template <class Body>
+  void each_core(Body&& body) const {
+    parallel_for(mesh_.faces(), [&](std::int64_t t) {
+      if (patch_.core[at(t)] != 0) body(static_cast<Index>(t));
+    });
+  }
+
+  /// Signs: the first face of an edge sees (-m, -d, R), the second (-m, d, -R), as FaceRelaxation::gather().
+  void relax(Index t, const std::vector<Values>& at_edges, bool at_rest) {
+    kernels::FaceState<double> v;
+    double moved[3];
+    for (Index k = 0; k < 3; ++k) {
+      const Index h = 3 * t + k, e = mesh_.edge(h);
+      const Values& u = at_edges[at(edges_.number[at(e)])];
+      const double sign = mesh_.halfedge(e) == h ? 1 : -1;
+      v.mean[k] = (at_rest ? 0 : (r_.start[h] + r_.end[h]) / 2) - u[0];
+      v.difference[k] = (at_rest ? 0 : r_.end[h] - r_.start[h]) - sign * u[1];
+      v.tau[k] = (at_rest ? 0 : c_.tau[h]) + sign * u[2];
+    }
+    kernels::relax(face_[at(t)], v, moved);
+    for (Index k = 0; k < 3; ++k) {
+      force_[at(3 * t + k)] = {v.mean[k], v.difference[k], v.tau[k]};
+      if (!at_rest) corners[at(3 * t + k)] = moved[k];
+    }
+  }
+
+  void own_block(Index h, double (&own)[6]) const {
+    double pull[3][3];
+    kernels::unit_pulls(face_[at(h / 3)], h % 3, pull);
+    kernels::own_block(face_[at(h / 3)], h % 3, pull, own);
+  }
+
+  void set_blocks() {
+    inverse_.resize(at(edges_.owned));
+    parallel_for(edges_.owned, [&](std::int64_t i) {
+      const Index h = mesh_.halfedge(edges_.edge[at(i)]), g = mesh_.twin(h);
+      double a[6], b[6] = {};
+      own_block(h, a);
+      if (g != none) own_block(g, b);
+      // Seen from the first face (m, d, t) is (-m, -d, R), from the second (-m, d, -R).
+      for (int k = 0; k < 6; ++k) a[k] = k == 1 || k == 2 ? a[k] - b[k] : a[k] + b[k];
+      a[2] = -a[2];
+      a[4] = -a[4];
+      kernels::invert_symmetric(a, inverse_[at(i)].a);
+    });
+  }
+
+  /// As rounding_of() of src/connection/global/solve.cpp.
+  double rounding(double lambda, const PatchWeights& weights) const {
+    constexpr double digits = 32 * epsilon;
+    const double total = sum(parallel_sum<double>(mesh_.faces(), [&](std::int64_t t) {
+      double energy = 0;
+      if (patch_.mine[at(t)] == 0) return energy;
+      for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) {
+        energy += patch_.geometry.cot(h) / 36;
+        if (!mesh_.boundary_halfedge(h)) energy += lambda * weights(h);
+      }
+      return energy;
+    }));
+    return digits * std::sqrt(total);
+  }
+
+  const Patch& patch_;
+  const Mesh& mesh_;
+  EdgeNumbers edges_;
+  const Connection& c_;
+  const LiftedResiduals& r_;
+  std::vector<kernels::FaceCoefficients<double>> face_;
+  std::vector<Values> force_;  // per halfedge
+  std::vector<Block> inverse_;
+  double rounding_ = 0;
+
+ public:
+  std::vector<double> corners;  ///< 3 #F: what rho_{v->t} of core faces moves by
+  std::vector<Values> x;        ///< the corrections
+};
+
+void axpy(double s, const std::vector<Values>& a, Index count, std::vector<Values>& b) {
+  parallel_for(count, [&](std::int64_t i) {
+    for (std::size_t k = 0; k < 3; ++k) b[at(i)][k] += s * a[at(i)][k];
+  });
+}
+
+/// Conjugate gradients from the corrections so far, until z' r has fallen by the square of `reduction`. The iterations.
+int improve(TogetherSystem& system, std::vector<Values> r, double square, double reduction, int most) {
+  constexpr double growth = 100;  // as conjugate_gradients() of src/connection/global/system.h
+  const std::size_t size = system.x.size();
+  std::vector<Values> z(size, Values{}), p(size, Values{}), q(size, Values{});
+  const double target = square * reduction * reduction;
+  double least = square;
+  system.precondition(r, z);
+  p = z;
+  int iteration = 0;
+  while (square > target && square <= growth * least && iteration < most) {
+    check_cancelled();
+    system.forces(p, true, q);  // minus A p
+    const double curvature = -system.dot(p, q);
+    if (!(curvature > 0)) break;
+    const double alpha = square / curvature;
+    axpy(alpha, p, system.owned(), system.x);
+    axpy(alpha, q, system.owned(), r);
+    system.precondition(r, z);
+    const double next = system.dot(z, r);
+    const double beta = next / square;
+    square = next;
+    least = std::min(least, square);
+    parallel_for(system.owned(), [&](std::int64_t i) {
+      for (std::size_t k = 0; k < 3; ++k) p[at(i)][k] = z[at(i)][k] + beta * p[at(i)][k];
+    });
+    ++iteration;
+  }
+  return iteration;
+}
+
+/// Rounds of conjugate gradients, each from the true gradient.
+void solve(TogetherSystem& system, const GlobalOptions& options, ConnectionReport& report) {
+  constexpr double useful_reduction = 0.1;
+  const double tolerance = std::max(options.tolerance, 4 * epsilon);
+  std::vector<Values> r(system.x.size(), Values{}), z = r;
+  double scale = 0, last = 0;
+  report.iterations = 0;
+  for (int round = 0;; ++round) {
+    system.forces(system.x, false, r);
+    system.precondition(r, z);
+    const double square = std::max(0.0, system.dot(z, r));
+    const double norm = std::sqrt(square);
+    const bool stalled = round > 0 && norm > useful_reduction * last;
+    if (round == 0) scale = std::max(norm, system.rounding() / tolerance);
+    last = norm;
+    report.residual = scale > 0 ? norm / scale : 0;
+    report.converged = report.residual <= tolerance;
+    if (report.converged || stalled || report.iterations >= options.max_iterations) return;
+    report.iterations +=
+        improve(system, r, square, 0.5 * tolerance / report.residual, options.max_iterations - report.iterations);
+  }
+}
+
+/// The mean turn of each inner vertex's corners, weighed by angle, as mean_turns() of src/connection/global/gauge.h.
+std::vector<double> turns(const Patch& patch, const std::vector<double>& corners) {
+  std::vector<double> turn(at(patch.inner), 0);
+  parallel_for(patch.empty() ? 0 : patch.owned, [&](std::int64_t v) {
+    double total = 0, weight = 0;
+    patch.mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) {
+      total += patch.geometry.angle(h) * corners[at(h)];
+      weight += patch.geometry.angle(h);
+    });
+    turn[at(v)] = weight > 0 ? total / weight : 0.0;
+  });
+  patch.extend(turn.data());
+  return turn;
+}
+
+/// Final angles of owned edges, as move_rotations() and follow_with_edges() of src/connection/global/write_back.h, then
+/// of those that others own; `best` receives what the residuals at both ends fall by.
+using Angles = std::array<double, 6>;  // rho, rho_e at both ends, eps, best at tail and tip
+
+std::vector<Angles> move_edges(const Patch& patch, const TogetherSystem& system, const PatchWeights& weights,
+                               const std::vector<double>& turn, const LiftedResiduals& r, Connection& c) {
+  const Mesh& mesh = patch.mesh;
+  const EdgeNumbers& n = system.edges();
+  std::vector<Angles> angles(n.edge.size());
+  for (Index i = 0; i < n.owned; ++i) {
+    const Index e = n.edge[at(i)], h = mesh.halfedge(e), g = mesh.twin(h);
+    const double rotation = system.x[at(i)][2];
+    double tail = r.start[h], tip = r.end[h];
+    if (g != none) {
+      const double here = weights(h), there = weights(g), total = here + there;
+      tail = (here * r.start[h] + there * r.end[g]) / total;
+      tip = (here * r.end[h] + there * r.start[g]) / total;
+    }
+    const double turn_tail = turn[at(mesh.tail(h))], turn_tip = turn[at(mesh.tip(h))];
+    angles[at(i)] = {c.rho[e] + rotation - turn_tail + turn_tip,
+                     c.rho_e[2 * std::int64_t{e}] + tail - turn_tail,
+                     c.rho_e[2 * std::int64_t{e} + 1] + tip - turn_tip,
+                     c.eps[e] + rotation + tip - tail,
+                     tail,
+                     tip};
+  }
+  n.others.fetch(angles.data(), angles.data() + n.owned);
+  return angles;
+}
+
+}  // namespace
+
+void optimise_together(const Patch& patch, const PatchWeights& weights, const GlobalOptions& options, Connection& c,
+                       LiftedResiduals& r) {
+  const Mesh& mesh = patch.mesh;
+  TogetherSystem system(patch, weights, options.detail, c, r);
+  solve(system, options, c.report);
+  if (!c.report.converged)
+    c.report.message = "the global connection stopped after " + std::to_string(c.report.iterations) +
+                       " iterations above its tolerance; raise GlobalOptions::max_iterations, "
+                       "GlobalOptions::tolerance or GlobalOptions::detail";
+  const std::vector<double> turn = turns(patch, system.corners);
+  const auto each_core = [&](auto&& body) {
+    parallel_for(mesh.faces(), [&](std::int64_t t) {
+      if (patch.core[at(t)] != 0) body(static_cast<Index>(3 * t));
+    });
+  };
+  each_core([&](Index h) {
+    for (Index k = 0; k < 3; ++k) {
+      const double here = system.corners[at(h + k)];
+      c.rho_t[h + k] += here - turn[at(mesh.tail(h + k))];
+      r.start[h + k] += here;
+      r.end[h + k] += system.corners[at(h + (k + 1) % 3)];
+    }
+  });
+  const std::vector<Angles> angles = move_edges(patch, system, weights, turn, r, c);
+  const EdgeNumbers& n = system.edges();
+  for (std::size_t i = 0; i < angles.size(); ++i) {
+    const std::int64_t e = n.edge[i];
+    c.rho[e] = angles[i][0];
+    c.rho_e[2 * e] = angles[i][1];
+    c.rho_e[2 * e + 1] = angles[i][2];
+    c.eps[e] = angles[i][3];
+  }
+  each_core([&](Index h) {
+    double total = 0;
+    for (Index k = h; k < h + 3; ++k) {
+      const Index e = mesh.edge(k);
+      const Angles& a = angles[at(n.number[at(e)])];
+      const bool first = mesh.halfedge(e) == k;
+      r.start[k] -= first ? a[4] : a[5];
+      r.end[k] -= first ? a[5] : a[4];
+      c.tau[k] = c.eps_along(mesh, k) - r.start[k] + r.end[k];
+      total += c.tau[k];
+    }
+    c.K[h / 3] = -total;
+  });
+}
+
+}  // namespace alcap::detail::distributed

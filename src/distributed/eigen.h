@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+//
+// eigen.h: the smallest eigenpair of every component. Internal to src/distributed.
+#pragma once
+
+#include "src/distributed/matrices.h"
+
+namespace alcap::detail::distributed {
+
+/// Values at owned vertices, |u|_M = 1 and the phase of EigenResult::u on every component, zero where no face is; the
+/// components' reports.
+[[nodiscard]] ComplexVectorX<double> solve_components(const Patch& patch, const Matrices& matrices,
+                                                      Components& components, const DistributedOptions& options);
+
+/// One eigenproblem over all ranks, by SLEPc's LOBPCG. `numbers`: the users' of this rank's rows; `u`: their values.
+[[nodiscard]] EigenReport smallest_together(const petsc::OwnedMat& S, const petsc::OwnedMat& M, double area,
+                                            const std::vector<Index>& numbers, const DistributedOptions& options,
+                                            ComplexVectorX<double>& u);
+
+}  // namespace alcap::detail::distributed

@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: MIT
+#include "src/distributed/parallel_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include "alcap/errors.h"
+#include "src/base/array.h"
+#include "src/base/atomic_file.h"
+#include "src/distributed/together.h"
+
+namespace alcap::detail::distributed {
+namespace {
+
+/// MPI counts in int.
+constexpr std::int64_t piece = std::int64_t{1} << 28;
+
+std::string words(int code) {
+  std::string text(MPI_MAX_ERROR_STRING, '\0');
+  int length = 0;
+  MPI_Error_string(code, text.data(), &length);
+  text.resize(at(length));
+  return text;
+}
+
+/// How many pieces the rank with the most bytes needs.
+std::int64_t pieces(std::int64_t bytes) { return largest((bytes + piece - 1) / piece); }
+
+std::string system_words(int error) { return std::generic_category().message(error); }
+
+std::string shared(const std::string& text) {
+  const std::vector<char> bytes = gather_bytes(rank() == 0 ? std::span<const char>(text) : std::span<const char>());
+  return {bytes.begin(), bytes.end()};
+}
+
+/// What cannot be read is said in the system's words, which MPI hides.
+void check_readable(const std::string& path) {
+  struct stat about = {};
+  if (::stat(path.c_str(), &about) != 0) throw FileError(path + ": cannot open (" + system_words(errno) + ")", path);
+  if (S_ISDIR(about.st_mode)) throw FileError(path + ": this is a folder; give the mesh file inside it", path);
+  if (!S_ISREG(about.st_mode)) throw FileError(path + ": this is no file that several ranks can read", path);
+  if (::access(path.c_str(), R_OK) != 0) throw FileError(path + ": cannot open (" + system_words(errno) + ")", path);
+}
+
+}  // namespace
+
+ParallelInput::ParallelInput(std::string path) : path_(std::move(path)) {
+  agreed([&] { check_readable(path_); });
+  const int code = MPI_File_open(MPI_COMM_WORLD, path_.c_str(), MPI_MODE_RDONLY, MPI_INFO_NULL, &file_);
+  agreed([&] {
+    if (code != MPI_SUCCESS) throw FileError(path_ + ": cannot open (" + words(code) + ")", path_);
+    MPI_Offset bytes = 0;
+    MPI_File_get_size(file_, &bytes);
+    size_ = bytes;
+  });
+}
+
+ParallelInput::~ParallelInput() {
+  if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
+}
+
+std::vector<char> ParallelInput::read(std::int64_t offset, std::int64_t count) const {
+  std::vector<char> bytes;
+  agreed([&] { bytes.resize(at(count)); });
+  std::int64_t done = 0;
+  int worst = MPI_SUCCESS;
+  for (std::int64_t k = pieces(count); k > 0; --k) {
+    const int now = static_cast<int>(std::min(piece, count - done));
+    MPI_Status status;
+    const int code = MPI_File_read_at_all(file_, offset + done, bytes.data() + done, now, MPI_CHAR, &status);
+    int got = 0;
+    if (code == MPI_SUCCESS) MPI_Get_count(&status, MPI_CHAR, &got);
+    if (code != MPI_SUCCESS || got != now) worst = code == MPI_SUCCESS ? MPI_ERR_IO : code;
+    done += now;
+  }
+  agreed([&] {
+    if (worst != MPI_SUCCESS) throw FileError(path_ + ": reading failed (" + words(worst) + ")", path_, 0, offset);
+  });
+  return bytes;
+}
+
+ParallelOutput::ParallelOutput(std::string path) : path_(std::move(path)) {
+  std::string name;
+  agreed([&] {
+    if (rank() != 0) return;
+    const std::filesystem::path target = follow_links(path_);
+    if (std::filesystem::is_directory(target)) fail("this is a folder; give the name of a file");
+    temporary_ = temporary_name(target);
+    const int created = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (created < 0) {
+      const int error = errno;
+      temporary_.clear();
+      fail((error == ENOENT ? "cannot write: the folder does not exist; create it first" : "cannot write") +
+           std::string(" (") + system_words(error) + ")");
+    }
+    ::close(created);
+    name = temporary_.string();
+  });
+  temporary_ = shared(name);
+  const int code = MPI_File_open(MPI_COMM_WORLD, temporary_.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file_);
+  try {
+    agreed([&] {
+      if (code != MPI_SUCCESS) fail("cannot write (" + words(code) + ")");
+    });
+  } catch (...) {
+    close();
+    throw;
+  }
+}
+
+ParallelOutput::~ParallelOutput() { close(); }
+
+void ParallelOutput::close() {
+  if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
+  std::error_code ignored;
+  if (!temporary_.empty() && rank() == 0) std::filesystem::remove(temporary_, ignored);
+  temporary_.clear();
+}
+
+void ParallelOutput::fail(const std::string& what) const { throw FileError(path_ + ": " + what, path_); }
+
+void ParallelOutput::write(std::int64_t offset, const std::vector<char>& bytes) {
+  const std::int64_t count = count_of(bytes);
+  std::int64_t done = 0;
+  int worst = MPI_SUCCESS;
+  for (std::int64_t k = pieces(count); k > 0; --k) {
+    const int now = static_cast<int>(std::min(piece, count - done));
+    MPI_Status status;
+    const int code = MPI_File_write_at_all(file_, offset + done, bytes.data() + done, now, MPI_CHAR, &status);
+    int got = 0;
+    if (code == MPI_SUCCESS) MPI_Get_count(&status, MPI_CHAR, &got);
+    if (code != MPI_SUCCESS || got != now) worst = code == MPI_SUCCESS ? MPI_ERR_NO_SPACE : code;
+    done += now;
+  }
+  agreed([&] {
+    if (worst != MPI_SUCCESS) fail("writing failed after " + std::to_string(offset) + " bytes (" + words(worst) + ")");
+  });
+}
+
+void ParallelOutput::finish() {
+  const int synced = MPI_File_sync(file_);
+  const int closed = MPI_File_close(&file_);
+  agreed([&] {
+    if (synced != MPI_SUCCESS || closed != MPI_SUCCESS)
+      fail("the disk did not take it (" + words(synced != MPI_SUCCESS ? synced : closed) + ")");
+  });
+  agreed([&] {
+    if (rank() != 0) return;
+    const std::filesystem::path target = follow_links(path_);
+    std::error_code error;
+    std::filesystem::rename(temporary_, target, error);
+    if (error) fail("cannot give the finished file its name (" + error.message() + ")");
+    sync_folder(target.parent_path());
+  });
+  temporary_.clear();
+}
+
+}  // namespace alcap::detail::distributed

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: MIT
+#
+# Tests that run on several ranks: every test_*.cpp of this folder on 1, 2, 3 and 4, however many cores there are.
+find_program(ALCAP_MPIRUN NAMES mpirun mpiexec)
+mark_as_advanced(ALCAP_MPIRUN)
+file(GLOB sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} distributed/*.cpp)
+add_executable(test_distributed ${sources})
+alcap_private_flags(test_distributed)
+target_compile_options(test_distributed PRIVATE $<$<CONFIG:Release>:-O1>)
+target_include_directories(test_distributed PRIVATE ${DOCTEST_INCLUDE_DIR})
+target_link_libraries(test_distributed PRIVATE alcap::distributed TBB::tbb)
+
+# What Open MPI asks for before it starts more ranks than cores, and as root; idle ranks give their core away. Other MPIs
+# do not look at it.
+set(alcap_mpi_environment OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  OMPI_MCA_rmaps_base_oversubscribe=1 OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_hwloc_base_binding_policy=none
+  OMPI_MCA_btl_vader_single_copy_mechanism=none OPENBLAS_NUM_THREADS=1)
+list(FILTER sources INCLUDE REGEX "test_.*[.]cpp$")
+if(ALCAP_MPIRUN)
+  foreach(source IN LISTS sources)
+    string(REGEX REPLACE "^.*/test_(.*)\\.cpp$" "\\1" name ${source})
+    foreach(ranks RANGE 1 4)
+      add_test(NAME ${name}_${ranks} COMMAND ${ALCAP_MPIRUN} -n ${ranks} $<TARGET_FILE:test_distributed> --source-file=*/${source})
+      set_tests_properties(${name}_${ranks} PROPERTIES ENVIRONMENT "${alcap_mpi_environment}" TIMEOUT 300)
+    endforeach()
+  endforeach()
+endif()
