@@ -17,6 +17,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,9 @@ namespace alcap {
 /// This process's number, and how many there are.
 [[nodiscard]] int distributed_rank();
 [[nodiscard]] int distributed_ranks();
+
+/// Calls body on rank 0 while the others wait; what it throws, all throw.
+void on_first_rank(const std::function<void()>& body);
 
 /// Ends all ranks at once with an exit code, for failures that only this rank knows of.
 [[noreturn]] void distributed_abort(int exit_code);
@@ -106,22 +110,28 @@ struct PhaseCost {
   double memory[3]{};      ///< resident bytes of a rank at the end of the phase: least, mean, most
 };
 
+/// A singularity, and what takes the mesh to know.
+struct DistributedSingularity : Singularity {
+  std::array<double, 3> position{};  ///< in space
+  Index component = none;            ///< the component of its face
+};
+
 /// A field over all ranks, and how it was found.
 struct DistributedField {
-  int n = 1;                               ///< degree
-  ComplexVectorX<double> u;                ///< values at the vertices of this rank's slice; |u|_M = 1 on each component
-  Frames frames;                           ///< of the vertices of this rank's slice
-  std::vector<Singularity> singularities;  ///< of the whole mesh, ascending by face
-  std::vector<DistributedComponent> components;  ///< in the order of their smallest faces
-  ConnectionKind kind = ConnectionKind::global;  ///< how the connection was built
-  PolarCenter center = PolarCenter::incenter;    ///< of a polar map
-  GlobalOptions global;                          ///< weights that it was optimised or measured with
-  ConnectionReport connection;                   ///< how it was found
-  std::string partition;                         ///< the method, and why another than asked for
-  std::int64_t owned[3]{};                       ///< vertices that a rank owns: least, mean, most
-  std::int64_t held[3]{};                        ///< vertices that a rank holds: least, mean, most
-  std::int64_t cut_edges = 0;                    ///< edges between vertices of different ranks
-  std::vector<PhaseCost> phases;                 ///< in the order they ran
+  int n = 1;                 ///< degree
+  ComplexVectorX<double> u;  ///< values at the vertices of this rank's slice; |u|_M = 1 on each component
+  Frames frames;             ///< of the vertices of this rank's slice
+  std::vector<DistributedSingularity> singularities;  ///< of the whole mesh, ascending by face
+  std::vector<DistributedComponent> components;       ///< in the order of their smallest faces
+  ConnectionKind kind = ConnectionKind::global;       ///< how the connection was built
+  PolarCenter center = PolarCenter::incenter;         ///< of a polar map
+  GlobalOptions global;                               ///< weights that it was optimised or measured with
+  ConnectionReport connection;                        ///< how it was found
+  std::string partition;                              ///< the method, and why another than asked for
+  std::int64_t owned[3]{};                            ///< vertices that a rank owns: least, mean, most
+  std::int64_t held[3]{};                             ///< vertices that a rank holds: least, mean, most
+  std::int64_t cut_edges = 0;                         ///< edges between vertices of different ranks
+  std::vector<PhaseCost> phases;                      ///< in the order they ran
 };
 
 /// The smoothest n-field. Throws MeshError for a mesh that cannot be used, numbers as users count, OptionError,

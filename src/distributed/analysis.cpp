@@ -33,9 +33,9 @@ std::vector<double> boundary_turns(const Patch& patch, const Connection& connect
 
 }  // namespace
 
-std::vector<Singularity> analyse(const Patch& patch, const Connection& connection, const Field& field,
-                                 Components& components) {
-  std::vector<Singularity> found;
+std::vector<DistributedSingularity> analyse(const Patch& patch, const Connection& connection, const Field& field,
+                                            Components& components) {
+  std::vector<DistributedSingularity> found;
   std::vector<std::int64_t> sums(components.list.size(), 0);
   agreed([&] {
     if (patch.empty()) return;
@@ -44,8 +44,14 @@ std::vector<Singularity> analyse(const Patch& patch, const Connection& connectio
       if (patch.mine[t] == 0) indices[t] = 0;
       if (indices[t] != 0) sums[at(components.of_vertex[at(patch.mesh.F()(static_cast<Index>(t), 0))])] += indices[t];
     }
-    found = find_singularities(patch.mesh, patch.geometry, connection, field, indices);
-    for (Singularity& s : found) s.face = patch.face[at(s.face)];
+    for (const Singularity& s : find_singularities(patch.mesh, patch.geometry, connection, field, indices)) {
+      DistributedSingularity& here = found.emplace_back(DistributedSingularity{s});
+      const auto f = patch.mesh.F().row(s.face);
+      for (int c = 0; c < 3; ++c)
+        for (int i = 0; i < 3; ++i) here.position[at(i)] += s.barycentric[at(c)] * patch.V(f(c), i);
+      here.component = components.of_vertex[at(f(0))];
+      here.face = patch.face[at(s.face)];
+    }
   });
   sum_all(sums);
   const std::vector<double> turns = boundary_turns(patch, connection, field, components);
@@ -56,7 +62,7 @@ std::vector<Singularity> analyse(const Patch& patch, const Connection& connectio
         field.n * components.list[k].euler + rounded<std::int64_t>(turns[k] / (2 * pi<double>)).value_or(0);
   }
   found = gather_all(found);
-  std::ranges::sort(found, {}, &Singularity::face);
+  std::ranges::sort(found, {}, &DistributedSingularity::face);
   return found;
 }
 

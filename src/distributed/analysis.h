@@ -9,7 +9,7 @@ namespace alcap::detail::distributed {
 
 /// Singularities of the whole mesh, by users' faces; fills in the components' index sums. `field`: values at all local
 /// vertices, right at inner ones.
-[[nodiscard]] std::vector<Singularity> analyse(const Patch& patch, const Connection& connection, const Field& field,
-                                               Components& components);
+[[nodiscard]] std::vector<DistributedSingularity> analyse(const Patch& patch, const Connection& connection,
+                                                          const Field& field, Components& components);
 
 }  // namespace alcap::detail::distributed

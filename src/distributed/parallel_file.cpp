@@ -17,7 +17,8 @@
 namespace alcap::detail::distributed {
 namespace {
 
-/// MPI counts in int.
+/// MPI counts in int. Ranks read and write on their own, long runs of bytes each: where a disk is full, collective
+/// calls of Open MPI 4.1 leave the others waiting.
 constexpr std::int64_t piece = std::int64_t{1} << 28;
 
 std::string words(int code) {
@@ -27,9 +28,6 @@ std::string words(int code) {
   text.resize(at(length));
   return text;
 }
-
-/// How many pieces the rank with the most bytes needs.
-std::int64_t pieces(std::int64_t bytes) { return largest((bytes + piece - 1) / piece); }
 
 std::string system_words(int error) { return std::generic_category().message(error); }
 
@@ -41,6 +39,8 @@ std::string shared(const std::string& text) {
 /// What cannot be read is said in the system's words, which MPI hides.
 void check_readable(const std::string& path) {
   struct stat about = {};
+  if (::stat(path.c_str(), &about) != 0 && errno == ENOENT)
+    throw FileError(path + ": there is no such file; check the name and the folder", path);
   if (::stat(path.c_str(), &about) != 0) throw FileError(path + ": cannot open (" + system_words(errno) + ")", path);
   if (S_ISDIR(about.st_mode)) throw FileError(path + ": this is a folder; give the mesh file inside it", path);
   if (!S_ISREG(about.st_mode)) throw FileError(path + ": this is no file that several ranks can read", path);
@@ -69,10 +69,10 @@ std::vector<char> ParallelInput::read(std::int64_t offset, std::int64_t count) c
   agreed([&] { bytes.resize(at(count)); });
   std::int64_t done = 0;
   int worst = MPI_SUCCESS;
-  for (std::int64_t k = pieces(count); k > 0; --k) {
+  while (done < count && worst == MPI_SUCCESS) {
     const int now = static_cast<int>(std::min(piece, count - done));
     MPI_Status status;
-    const int code = MPI_File_read_at_all(file_, offset + done, bytes.data() + done, now, MPI_CHAR, &status);
+    const int code = MPI_File_read_at(file_, offset + done, bytes.data() + done, now, MPI_CHAR, &status);
     int got = 0;
     if (code == MPI_SUCCESS) MPI_Get_count(&status, MPI_CHAR, &got);
     if (code != MPI_SUCCESS || got != now) worst = code == MPI_SUCCESS ? MPI_ERR_IO : code;
@@ -128,10 +128,10 @@ void ParallelOutput::write(std::int64_t offset, const std::vector<char>& bytes) 
   const std::int64_t count = count_of(bytes);
   std::int64_t done = 0;
   int worst = MPI_SUCCESS;
-  for (std::int64_t k = pieces(count); k > 0; --k) {
+  while (done < count && worst == MPI_SUCCESS) {
     const int now = static_cast<int>(std::min(piece, count - done));
     MPI_Status status;
-    const int code = MPI_File_write_at_all(file_, offset + done, bytes.data() + done, now, MPI_CHAR, &status);
+    const int code = MPI_File_write_at(file_, offset + done, bytes.data() + done, now, MPI_CHAR, &status);
     int got = 0;
     if (code == MPI_SUCCESS) MPI_Get_count(&status, MPI_CHAR, &got);
     if (code != MPI_SUCCESS || got != now) worst = code == MPI_SUCCESS ? MPI_ERR_NO_SPACE : code;

@@ -164,6 +164,14 @@ auto with_number(PlyType type, const char* p, Use use) {
   }
 }
 
+[[noreturn]] void refuse_index(const std::string& path, std::int64_t v, const MeshSlice& mesh, std::int64_t face) {
+  refuse(
+      path,
+      "face " + std::to_string(face) + " (counted from 0) names vertex " + std::to_string(v) + " (counted from 0), " +
+          (v < 0 ? "which is before the first one" : "but there are " + std::to_string(mesh.vertices) + " vertices") +
+          "; the file was cut or its indices are off");
+}
+
 template <std::endian order>
 void parse(const std::string& path, const Layout& layout, const std::vector<char>& vertices,
            const std::vector<char>& faces, MeshSlice& mesh) {
@@ -175,10 +183,13 @@ void parse(const std::string& path, const Layout& layout, const std::vector<char
       return -1;  // lists have whole numbers, which lay_out_faces() has checked
     }
   };
-  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v)
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) {
     for (int c = 0; c < 3; ++c)
       mesh.V(v, c) = with_number<order>(layout.coordinate[c].type,
                                         vertices.data() + v * layout.vertices.row + layout.coordinate[c].offset, real);
+    if (!mesh.V.row(v).allFinite())
+      refuse(path, "vertex " + std::to_string(mesh.first_vertex + v) + " (counted from 0) is not finite");
+  }
   const auto size = static_cast<std::int64_t>(size_of(layout.corner.type));
   for (Eigen::Index t = 0; t < mesh.F.rows(); ++t) {
     const char* const row = faces.data() + t * layout.faces.row;
@@ -189,7 +200,8 @@ void parse(const std::string& path, const Layout& layout, const std::vector<char
                       path, 0, layout.faces.begin + (mesh.first_face + t) * layout.faces.row);
     for (int c = 0; c < 3; ++c) {
       const std::int64_t v = with_number<order>(layout.corner.type, row + layout.corner.offset + c * size, whole);
-      mesh.F(t, c) = v >= 0 && v < mesh.vertices ? static_cast<Index>(v) : none;
+      if (v < 0 || v >= mesh.vertices) refuse_index(path, v, mesh, mesh.first_face + t);
+      mesh.F(t, c) = static_cast<Index>(v);
     }
   }
 }

@@ -2,6 +2,8 @@
 //
 // run.cpp: a field from a mesh in slices, phase by phase.
 #include <cmath>
+#include <cstdlib>
+#include <memory>
 
 #include "alcap/frames.h"
 #include "src/base/array.h"
@@ -132,6 +134,13 @@ int distributed_rank() {
 int distributed_ranks() {
   const detail::petsc::Session session;
   return detail::distributed::ranks();
+}
+
+void on_first_rank(const std::function<void()>& body) {
+  const detail::petsc::Session session;
+  detail::distributed::agreed([&] {
+    if (detail::distributed::rank() == 0) body();
+  });
 }
 
 void distributed_abort(int exit_code) {

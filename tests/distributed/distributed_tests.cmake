@@ -8,7 +8,11 @@ add_executable(test_distributed ${sources})
 alcap_private_flags(test_distributed)
 target_compile_options(test_distributed PRIVATE $<$<CONFIG:Release>:-O1>)
 target_include_directories(test_distributed PRIVATE ${DOCTEST_INCLUDE_DIR})
-target_link_libraries(test_distributed PRIVATE alcap::distributed TBB::tbb)
+target_include_directories(test_distributed SYSTEM PRIVATE
+  ${ALCAP_PETSC_INCLUDE_DIR} ${ALCAP_SLEPC_INCLUDE_DIR} ${MPI_CXX_INCLUDE_DIRS})
+target_compile_definitions(test_distributed PRIVATE $<TARGET_PROPERTY:alcap_petsc,COMPILE_DEFINITIONS>)
+target_link_libraries(test_distributed PRIVATE alcap::distributed TBB::tbb
+  ${ALCAP_SLEPC_LIBRARY} ${ALCAP_PETSC_LIBRARY} ${MPI_CXX_LIBRARIES})
 
 # What Open MPI asks for before it starts more ranks than cores, and as root; idle ranks give their core away. Other MPIs
 # do not look at it.

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: MIT
+//
+// main.cpp: alcap-mpi, fields over many machines. All ranks run this; rank 0 speaks. Failures reach all ranks, which
+// leave with the same exit code; one that only a single rank knows of ends all of them.
+#include <fmt/core.h>
+
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <new>
+
+#include "alcap/distributed.h"
+#include "alcap/version.h"
+#include "apps/alcap/options/cli.h"
+#include "apps/alcap/report/flags.h"
+#include "apps/alcap/report/printable.h"
+#include "apps/alcap/report/report.h"
+#include "apps/alcap_mpi/report.h"
+#include "src/base/atomic_file.h"
+#include "src/base/clock.h"
+#include "src/base/parallel.h"
+
+namespace alcap::app {
+namespace {
+
+constexpr const char* description =
+    "Smoothest n-vector fields on triangle meshes that no single machine holds. Run by mpirun, on any number of ranks.";
+
+constexpr const char* footer =
+    "Examples:\n"
+    "  mpirun -n 4 alcap-mpi field huge.ply -n 4 -o out     out/ gets field.ply and report.json\n"
+    "  mpirun -n 4 alcap-mpi field huge.ply -n 2 -o lines.ply\n"
+    "\n"
+    "The mesh is a binary PLY of triangles; alcap reads all other formats. Exit codes are those of alcap, the same on\n"
+    "all ranks.";
+
+struct Choice {
+  std::string mesh, output, connection = "global", length_factor = "mean_edge", partition = "scotch";
+  DistributedOptions options;
+  int threads = 1;
+  bool json = false, quiet = false;
+};
+
+void add_field_options(cli::App& app, Choice& c) {
+  app.add_option("mesh", c.mesh, "Triangle mesh: binary PLY")->required()->type_name("MESH");
+  app.add_option("-n,--degree", c.options.n, "Degree: 1 vectors, 2 lines, 4 crosses")
+      ->check(cli::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--s", c.options.s, "Energy E_s: -1 holomorphic, 0 Dirichlet, 1 anti-holomorphic")
+      ->check(cli::Range(-1.0, 1.0))
+      ->capture_default_str();
+  app.add_option("-o,--output", c.output, "Folder for field.ply and report.json, or a file that ends with .ply")
+      ->type_name("OUT");
+  app.add_option("--connection", c.connection, "How the connection is built")
+      ->check(cli::IsMember({"polar", "polar-barycenter", "local", "global"}))
+      ->capture_default_str();
+  app.add_option("--detail", c.options.global.detail, "Of the global connection: smaller ignores small bumps")
+      ->check(cli::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--length-factor", c.length_factor, "Length factor of D_E")
+      ->check(cli::IsMember({"mean_edge", "metric", "per_edge"}))
+      ->capture_default_str();
+  app.add_option("--tan-cap", c.options.global.tan_cap, "Cap of the tangents in D_E")
+      ->check(cli::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--tolerance", c.options.tolerance, "Relative residual of the eigenvector, recomputed")
+      ->check(cli::Range(1e-14, 0.1))
+      ->capture_default_str();
+  app.add_option("--max-iterations", c.options.max_iterations, "Of the eigensolver")
+      ->check(cli::Range(1, 1000000))
+      ->capture_default_str();
+  app.add_option("--seed", c.options.seed, "Of the eigensolver's start")->capture_default_str();
+  app.add_option("--partition", c.partition, "Who owns which vertices: scotch, or slices of the file as it is")
+      ->check(cli::IsMember({"scotch", "slices"}))
+      ->capture_default_str();
+  app.add_option("--gather-below", c.options.gather_below,
+                 "Components of up to so many vertices are solved by one rank")
+      ->check(cli::Range(100, 1000000))
+      ->capture_default_str();
+  app.add_option("--threads", c.threads, "Threads per rank; 0 for all")
+      ->check(cli::Range(0, 4096))
+      ->capture_default_str();
+  app.add_flag("--json", c.json, "Print the report as JSON on stdout, and nothing else there");
+  app.add_flag("-q,--quiet", c.quiet, "No summary; errors still go to stderr");
+}
+
+/// FileErrors of outputs have a code of their own.
+template <class Body>
+void writing(Body&& body) {
+  try {
+    body();
+  } catch (const FileError& e) {
+    throw Failure(Exit::output, e.what(), file_details(e));
+  }
+}
+
+void write_report(const std::filesystem::path& file, const Json& report) {
+  writing([&] {
+    on_first_rank([&] {
+      detail::AtomicFile out(file);
+      out.write(text_of(report, 2) + "\n");
+      out.commit();
+    });
+  });
+}
+
+/// Where the field goes, after making sure that it can; empty: nowhere.
+std::filesystem::path prepare_output(const std::filesystem::path& output) {
+  if (output.empty() || output.extension() == ".ply") return output;
+  writing([&] {
+    on_first_rank([&] {
+      std::error_code error;
+      std::filesystem::create_directories(output, error);
+      if (error || !std::filesystem::is_directory(output))
+        throw FileError(output.string() + ": cannot make this folder (" + error.message() + ")", output.string());
+      std::filesystem::remove(output / "report.json", error);
+    });
+  });
+  return output / "field.ply";
+}
+
+int run_field_command(Choice& c) {
+  c.options.connection = connection_choice(c.connection).value_or(ConnectionChoice{});
+  c.options.global.length_factor = from_name<LengthFactor>(c.length_factor).value_or(LengthFactor::mean_edge);
+  c.options.partition = from_name<PartitionMethod>(c.partition).value_or(PartitionMethod::scotch);
+  const detail::Stopwatch watch;
+  const MeshSlice mesh = read_mesh_slice(c.mesh);
+  const double read_seconds = watch.seconds();
+  const std::filesystem::path output = prepare_output(c.output);
+  DistributedField field = distributed_field(mesh, c.options);
+  if (!output.empty()) writing([&] { write_distributed_ply(output.string(), mesh, field); });
+  Json report = distributed_report(c.mesh, mesh, field, c.options);
+  report["times"] = {{"read", read_seconds}, {"total", watch.seconds()}};
+  if (!output.empty() && output != std::filesystem::path(c.output))
+    write_report(std::filesystem::path(c.output) / "report.json", report);
+  on_first_rank([&] {
+    const std::string text = c.json ? text_of(report, 2) + "\n" : c.quiet ? "" : printable(distributed_summary(report));
+    if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() || std::fflush(stdout) != 0)
+      throw Failure(Exit::output, "cannot write to standard output");
+  });
+  return static_cast<int>(report["ok"].get<bool>() ? Exit::ok : Exit::uncertified);
+}
+
+/// One line on stderr by rank 0, and with --json an object on stdout; all ranks wait for it.
+int complain(bool json, Exit exit, const std::string& message, const Json& details = Json::object()) {
+  on_first_rank([&] {
+    const std::string line = "alcap-mpi: " + printable_line(message) + "\n";
+    (void)std::fwrite(line.data(), 1, line.size(), stderr);
+    if (!json) return;
+    const std::string text = text_of(error_report("field", exit, message, details), 2) + "\n";
+    (void)std::fwrite(text.data(), 1, text.size(), stdout);
+    (void)std::fflush(stdout);
+  });
+  return static_cast<int>(exit);
+}
+
+/// What all ranks throw becomes an exit code.
+template <class Body>
+int guarded(bool json, Body&& body) {
+  try {
+    return body();
+  } catch (const Failure& e) {
+    return complain(json, e.exit(), in_flags(e.what()), e.details());
+  } catch (const FileError& e) {
+    return complain(json, Exit::input, e.what(), file_details(e));
+  } catch (const MeshError& e) {
+    return complain(json, Exit::mesh, in_flags(e.what()), mesh_details(e));
+  } catch (const OptionError& e) {
+    return complain(json, Exit::usage, e.what(), {{"option", e.field()}, {"value", e.value()}, {"rule", e.rule()}});
+  } catch (const SolveError& e) {
+    return complain(json, Exit::solver, e.what());
+  } catch (const std::bad_alloc&) {
+    return complain(json, Exit::solver, "out of memory; use more ranks or machines with more memory");
+  } catch (const std::exception& e) {
+    return complain(json, Exit::internal, fmt::format("internal error, please report it: {}", e.what()));
+  }
+}
+
+int start(int argc, char** argv) {
+  cli::App app(description, "alcap-mpi");
+  app.footer(footer);
+  app.require_subcommand(0, 1);
+  bool version_wanted = false;
+  app.add_flag("--version", version_wanted, "Version");
+  Choice choice;
+  cli::App* field = app.add_subcommand("field", "The smoothest n-field, its file and its report");
+  add_field_options(*field, choice);
+  const auto say = [](const std::string& text, std::FILE* to) {
+    on_first_rank([&] {
+      (void)std::fwrite(text.data(), 1, text.size(), to);
+      (void)std::fflush(to);
+    });
+  };
+  try {
+    if (const auto help = app.parse(argc, argv)) {
+      say(*help, stdout);
+      return 0;
+    }
+  } catch (const cli::ParseError& e) {
+    return complain(false, Exit::usage, fmt::format("{} (see alcap-mpi --help)", e.what()));
+  }
+  if (version_wanted) {
+    say(fmt::format("alcap-mpi {}\n", version()), stdout);
+    return 0;
+  }
+  if (!field->parsed()) {
+    say(app.help(), stderr);
+    return static_cast<int>(Exit::usage);
+  }
+  int code = 0;
+  run_with_threads(choice.threads, [&] { code = guarded(choice.json, [&] { return run_field_command(choice); }); });
+  return code;
+}
+
+}  // namespace
+}  // namespace alcap::app
+
+int main(int argc, char** argv) {
+  try {
+    return alcap::app::start(argc, argv);
+  } catch (const std::exception& e) {
+    // Only this rank knows, and the others may wait for it.
+    (void)std::fprintf(stderr, "alcap-mpi: internal error, please report it: %s\n", e.what());
+    alcap::distributed_abort(static_cast<int>(alcap::app::Exit::internal));
+  }
+}
