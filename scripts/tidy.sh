@@ -70,7 +70,8 @@ if ! cmake --preset dev -B build/tidy -DALCAP_BUILD_TESTS=OFF -DALCAP_WITH_PETSC
   cat "$log" >&2
   die "CMake could not configure; its messages are above."
 fi
-grep -q solvers/petsc build/tidy/compile_commands.json || list=$(grep -v "^solvers/petsc/" <<<"$list" || true)
+grep -q solvers/petsc build/tidy/compile_commands.json ||
+  list=$(grep -Ev "^(solvers/petsc|src/distributed|apps/alcap_mpi)/" <<<"$list" || true)
 [ -n "$list" ] || exit 0
 echo "   clang-tidy on $what: $(wc -l <<<"$list") files"
 tr '\n' '\0' <<<"$list" |

@@ -35,6 +35,7 @@ constexpr const char* footer =
     "all ranks.";
 
 struct Choice {
+  Choice() { options.n = 4; }
   std::string mesh, output, connection = "global", length_factor = "mean_edge", partition = "scotch";
   DistributedOptions options;
   int threads = 1;
@@ -43,10 +44,11 @@ struct Choice {
 
 void add_field_options(cli::App& app, Choice& c) {
   app.add_option("mesh", c.mesh, "Triangle mesh: binary PLY")->required()->type_name("MESH");
-  app.add_option("-n,--degree", c.options.n, "Degree: 1 vectors, 2 lines, 4 crosses")
+  app.add_option("-n,-r,--degree,--rosy", c.options.n, "Symmetry: 1 vectors, 2 lines, 4 crosses; any n >= 1")
       ->check(cli::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--s", c.options.s, "Energy E_s: -1 holomorphic, 0 Dirichlet, 1 anti-holomorphic")
+  app.add_option("-s,--energy,--s", c.options.s,
+                 "Which smoothness, in [-1, 1]: 0 Dirichlet, 1 favours holomorphic, -1 antiholomorphic fields")
       ->check(cli::Range(-1.0, 1.0))
       ->capture_default_str();
   app.add_option("-o,--output", c.output, "Folder for field.ply and report.json, or a file that ends with .ply")
@@ -61,6 +63,13 @@ void add_field_options(cli::App& app, Choice& c) {
       ->check(cli::IsMember({"mean_edge", "metric", "per_edge"}))
       ->capture_default_str();
   app.add_option("--tan-cap", c.options.global.tan_cap, "Cap of the tangents in D_E")
+      ->check(cli::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--connection-tolerance", c.options.global.tolerance, "Relative residual of the global connection")
+      ->check(cli::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--connection-iterations", c.options.global.max_iterations,
+                 "Iterations after which the global connection is given up")
       ->check(cli::PositiveNumber)
       ->capture_default_str();
   app.add_option("--tolerance", c.options.tolerance, "Relative residual of the eigenvector, recomputed")

@@ -39,6 +39,15 @@ void on_first_rank(const std::function<void()>& body);
 /// Ends all ranks at once with an exit code, for failures that only this rank knows of.
 [[noreturn]] void distributed_abort(int exit_code);
 
+/// What a phase took, over the ranks.
+struct PhaseCost {
+  std::string name;        ///< "read", "partition", "geometry", "connection", "assembly", "solve", "analysis", "write"
+  double seconds[3]{};     ///< least, mean and most wall clock of a rank
+  double bytes_sent[3]{};  ///< by a rank to others: least, mean, most; without collective sums and MPI-IO
+  double messages[3]{};    ///< sent by a rank: least, mean, most
+  double memory[3]{};      ///< resident bytes of a rank at the end of the phase: least, mean, most
+};
+
 /// One rank's slice of a mesh, in the users' numbering: rank r of P has the vertices and the faces from
 /// slice_begin(count, r, P) to slice_begin(count, r + 1, P).
 struct MeshSlice {
@@ -48,6 +57,7 @@ struct MeshSlice {
   std::int64_t first_face = 0;    ///< the number of the slice's first face
   Positions<double> V;            ///< points of the slice's vertices
   Faces F;                        ///< the slice's triangles, with vertex numbers of the whole mesh
+  std::vector<PhaseCost> phases;  ///< what reading took
 };
 
 /// Where slice `rank` of `ranks` begins.
@@ -99,15 +109,6 @@ struct DistributedComponent {
   double area = 0;                  ///< sum of its faces'
   EigenReport eigen;                ///< how its field was found; seconds are those of all components
   IndexSum indices;                 ///< Poincare-Hopf
-};
-
-/// What a phase took, over the ranks.
-struct PhaseCost {
-  std::string name;        ///< "read", "partition", "geometry", "connection", "assembly", "solve", "analysis", "write"
-  double seconds[3]{};     ///< least, mean and most wall clock of a rank
-  double bytes_sent[3]{};  ///< by a rank to others: least, mean, most; without collective sums and MPI-IO
-  double messages[3]{};    ///< sent by a rank: least, mean, most
-  double memory[3]{};      ///< resident bytes of a rank at the end of the phase: least, mean, most
 };
 
 /// A singularity, and what takes the mesh to know.

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 //
-// eigen.cpp: one component over all ranks: SLEPc's LOBPCG, preconditioned by a multigrid cycle, on tightened tolerances
-// until the residual that is recomputed is met.
+// eigen.cpp: one component over all ranks: block LOBPCG (Knyazev 2001) in double, preconditioned by PETSc's multigrid
+// cycle. Residuals are those of the matrices, in every step.
 #include "src/distributed/eigen.h"
-
-#include <slepceps.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "solvers/dense/ritz.h"
 #include "src/base/array.h"
 #include "src/base/cancel.h"
 #include "src/base/clock.h"
@@ -18,19 +18,45 @@
 namespace alcap::detail::distributed {
 namespace {
 
+using Dense = MatrixX<C>;
+
 /// S - sigma M is positive definite even where S is singular or indefinite by rounding.
 constexpr double relative_shift = 1e-3;
-/// So many rounds at most, each at least this much tighter; one that gains nothing is the last.
-constexpr int most_rounds = 8;
-constexpr double tighter = 0.1, least_tightening = 1e-4, no_gain = 0.9;
-/// Neighbours are computed as well: within a cluster one vector alone hardly moves.
-constexpr PetscInt block = 6;
+/// Directions of the basis that carry less than this of it are rounding.
+constexpr double dependent = 1e-12;
+/// So many steps without a better residual: rounding is all that is left.
+constexpr int patience = 25;
 
-petsc::OwnedVec vector_for(Mat A) {
-  petsc::OwnedVec v;
-  check(MatCreateVecs(A, v.out(), nullptr));
-  return v;
-}
+/// A matrix, or a preconditioner, applied to columns of this rank's rows.
+class Columns {
+ public:
+  explicit Columns(Mat like) {
+    check(MatGetLocalSize(like, &rows_, nullptr));
+    PetscInt all = 0;
+    check(MatGetSize(like, &all, nullptr));
+    for (petsc::OwnedVec* v : {&in_, &out_})
+      check(VecCreateMPIWithArray(PETSC_COMM_WORLD, 1, rows_, all, nullptr, v->out()));
+  }
+  [[nodiscard]] PetscInt rows() const { return rows_; }
+  void multiply(Mat A, const C* x, C* y) const {
+    apply(x, y, [&] { check(MatMult(A, in_.get(), out_.get())); });
+  }
+  void precondition(PC pc, const C* x, C* y) const {
+    apply(x, y, [&] { check(PCApply(pc, in_.get(), out_.get())); });
+  }
+
+ private:
+  template <class Body>
+  void apply(const C* x, C* y, Body&& body) const {
+    check(VecPlaceArray(in_.get(), x));
+    check(VecPlaceArray(out_.get(), y));
+    body();
+    check(VecResetArray(in_.get()));
+    check(VecResetArray(out_.get()));
+  }
+  PetscInt rows_ = 0;
+  petsc::OwnedVec in_, out_;
+};
 
 class Together {
  public:
@@ -39,64 +65,55 @@ class Together {
       : S_(S.get()),
         M_(M.get()),
         area_(area),
-        numbers_(numbers),
         options_(options),
         multigrid_(shifted(), M_),
-        u_(vector_for(S_)),
-        Su_(vector_for(S_)),
-        Mu_(vector_for(S_)),
-        diagonal_(vector_for(S_)) {
-    check(MatGetDiagonal(S_, diagonal_.get()));
-    PetscScalar total = 0;
-    PetscInt rows = 0;
-    petsc::OwnedVec mass = vector_for(M_);
-    check(MatGetDiagonal(M_, mass.get()));
-    check(VecSum(mass.get(), &total));
-    check(VecGetSize(mass.get(), &rows));
-    typical_ = std::sqrt(total.real() / rows);
+        columns_(S_),
+        width_(std::min<Eigen::Index>(options.n == 1 ? 4 : 6, sum(count_of(numbers)) / 8)),
+        basis_(columns_.rows(), 3 * width_),
+        y_(columns_.rows()),
+        z_(columns_.rows()) {
+    check(PCCreate(PETSC_COMM_WORLD, pc_.out()));
+    check(PCSetOperators(pc_.get(), multigrid_.matrix(), multigrid_.matrix()));
+    multigrid_.configure(pc_.get());
+    check(PCSetUp(pc_.get()));
+    petsc::OwnedVec diagonal;
+    check(MatCreateVecs(S_, diagonal.out(), nullptr));
+    check(MatGetDiagonal(S_, diagonal.get()));
+    const PetscScalar* value = nullptr;
+    check(VecGetArrayRead(diagonal.get(), &value));
+    diagonal_ = Eigen::Map<const ComplexVectorX<double>>(value, columns_.rows()).real();
+    check(VecRestoreArrayRead(diagonal.get(), &value));
+    start(numbers);
   }
 
-  EigenReport run() {
+  EigenReport run(ComplexVectorX<double>& u) {
     EigenReport report;
-    create();
-    double tolerance = options_.tolerance, best = HUGE_VAL;
-    petsc::OwnedVec x = vector_for(S_);
-    start(x.get());
-    check(VecCopy(x.get(), u_.get()));
-    for (int round = 0; round < most_rounds; ++round) {
-      check(VecCopy(u_.get(), x.get()));
-      const bool finished = solve(x.get(), tolerance, report);
-      const EigenReport now = checked(x.get());
-      const double residual = std::max(now.residual, now.energy_residual);
-      if (!std::isfinite(residual)) break;
-      const bool gained = residual < no_gain * best;
-      if (residual < best) {
-        best = residual;
-        check(VecCopy(x.get(), u_.get()));
-        report.lambda = now.lambda;
-        report.residual = now.residual;
-        report.energy_residual = now.energy_residual;
-      }
-      if (best <= options_.tolerance || !gained || !finished || report.iterations >= options_.max_iterations) break;
-      tolerance *= std::clamp(tighter * options_.tolerance / best, least_tightening, tighter);
+    report.solver = "LOBPCG, covariant multigrid of " + std::to_string(multigrid_.levels()) + " levels over PETSc";
+    report.smallest_note = "not proven over several ranks";
+    rotate(0);
+    double best = HUGE_VAL;
+    int since = 0;
+    for (bool with_p = false;; ++report.iterations) {
+      check_cancelled();
+      residuals(report);  // into W
+      const double now = std::max(report.residual, report.energy_residual);
+      if (now < best) since = 0;
+      best = std::min(best, now);
+      if (now <= options_.tolerance || !std::isfinite(now)) break;
+      if (report.iterations >= options_.max_iterations || ++since > patience) break;
+      precondition();
+      with_p = rotate(with_p ? 2 : 1);
     }
-    report.converged = best <= options_.tolerance;
-    if (!report.converged) report.message = "the residual asked for was not reached";
-    report.solver = "SLEPc lobpcg, covariant multigrid of " + std::to_string(multigrid_.levels()) + " levels";
-    report.smallest_note = "an inertia over several ranks is not computed";
+    u = X().col(0);
+    conclude(report);
     return report;
   }
 
-  void copy_to(ComplexVectorX<double>& out) const {
-    PetscInt size = 0;
-    const PetscScalar* value = nullptr;
-    check(VecGetLocalSize(u_.get(), &size));
-    check(VecGetArrayRead(u_.get(), &value));
-    out = Eigen::Map<const ComplexVectorX<double>>(value, size);
-    check(VecRestoreArrayRead(u_.get(), &value));
-  }
-
  private:
+  using Block = Eigen::Block<Dense, Eigen::Dynamic, Eigen::Dynamic, true>;
+  Block X() { return {basis_, 0, 0, basis_.rows(), width_}; }
+  Block W() { return {basis_, 0, width_, basis_.rows(), width_}; }
+
   [[nodiscard]] petsc::OwnedMat shifted() const {
     petsc::OwnedMat A;
     check(MatDuplicate(S_, MAT_COPY_VALUES, A.out()));
@@ -105,96 +122,139 @@ class Together {
     return A;
   }
 
-  /// The same start however the rows are divided among ranks.
-  void start(Vec x) const {
-    PetscScalar* value = nullptr;
-    check(VecGetArray(x, &value));
-    for (std::size_t i = 0; i < numbers_.size(); ++i) {
-      Random random(options_.seed + (static_cast<std::uint64_t>(numbers_[i]) << 20U));
-      const double re = random.uniform(-1, 1);
-      value[i] = C(re, random.uniform(-1, 1));
+  /// The same start however the rows are divided among ranks, smoothed by a cycle.
+  void start(const std::vector<Index>& numbers) {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      Random random(options_.seed + (static_cast<std::uint64_t>(numbers[i]) << 20U));
+      for (Eigen::Index k = 0; k < width_; ++k) {
+        const double re = random.uniform(-1, 1);
+        W()(static_cast<Eigen::Index>(i), k) = C(re, random.uniform(-1, 1));
+      }
     }
-    check(VecRestoreArray(x, &value));
-  }
-
-  void create() {
-    check(EPSCreate(PETSC_COMM_WORLD, eps_.out()));
-    EPS eps = eps_.get();
-    check(EPSSetOperators(eps, S_, M_));
-    check(EPSSetProblemType(eps, EPS_GHEP));
-    check(EPSSetType(eps, EPSLOBPCG));
-    check(EPSSetDimensions(eps, 1, PETSC_DEFAULT, PETSC_DEFAULT));
-    check(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
-    check(EPSLOBPCGSetBlockSize(eps, block));
-    check(EPSSetConvergenceTestFunction(eps, measure, this, nullptr));
-    ST st = nullptr;
-    KSP ksp = nullptr;
-    PC pc = nullptr;
-    check(EPSGetST(eps, &st));
-    check(STSetType(st, STPRECOND));
-    check(STSetPreconditionerMat(st, multigrid_.matrix()));
-    check(STGetKSP(st, &ksp));
-    check(KSPSetType(ksp, KSPPREONLY));
-    check(KSPGetPC(ksp, &pc));
-    multigrid_.configure(pc);
-  }
-
-  static PetscErrorCode measure(EPS, PetscScalar value, PetscScalar, PetscReal residual, PetscReal* estimate,
-                                void* context) {
-    const auto& run = *static_cast<const Together*>(context);
-    *estimate = residual / (std::max(value.real(), 1 / run.area_) * run.typical_);
-    return 0;
-  }
-
-  bool solve(Vec x, double tolerance, EigenReport& report) {
-    EPS eps = eps_.get();
-    check(EPSSetTolerances(eps, std::max(tolerance, 1e-16), std::max(1, options_.max_iterations - report.iterations)));
-    check(EPSSetInitialSpace(eps, 1, &x));
-    check(EPSSolve(eps));
-    PetscInt iterations = 0, converged = 0;
-    check(EPSGetIterationNumber(eps, &iterations));
-    check(EPSGetConverged(eps, &converged));
-    report.iterations += static_cast<int>(iterations);
-    if (converged > 0) {
-      check(EPSGetEigenvector(eps, 0, x, nullptr));
-    } else {
-      BV basis = nullptr;
-      check(EPSGetBV(eps, &basis));
-      check(BVCopyVec(basis, 0, x));
+    for (Eigen::Index k = 0; k < width_; ++k) {
+      columns_.multiply(M_, W().col(k).data(), y_.data());
+      columns_.precondition(pc_.get(), y_.data(), X().col(k).data());
     }
-    return converged > 0;
   }
 
-  /// Scales x to |x|_M = 1; its Rayleigh quotient and residuals (EigenReport), recomputed.
-  EigenReport checked(Vec x) {
-    EigenReport now;
-    PetscScalar xMx = 0, xSx = 0, energy = 0;
-    PetscReal norm_r = 0, norm_m = 0;
-    check(MatMult(M_, x, Mu_.get()));
-    check(VecDot(Mu_.get(), x, &xMx));
-    check(VecScale(x, 1 / std::sqrt(xMx.real())));
-    check(MatMult(M_, x, Mu_.get()));
-    check(MatMult(S_, x, Su_.get()));
-    check(VecDot(Su_.get(), x, &xSx));
-    now.lambda = xSx.real();
-    check(VecNorm(Mu_.get(), NORM_2, &norm_m));
-    check(VecAXPY(Su_.get(), -now.lambda, Mu_.get()));
-    check(VecNorm(Su_.get(), NORM_2, &norm_r));
-    now.residual = norm_r / (std::max(now.lambda, 1 / area_) * norm_m);
-    check(VecPointwiseDivide(Mu_.get(), Su_.get(), diagonal_.get()));
-    check(VecDot(Mu_.get(), Su_.get(), &energy));
-    now.energy_residual = energy.real() / std::max(now.lambda, 1e-6 / area_);
-    return now;
+  /// X becomes the lowest Ritz vectors of X, with 1 of X and W, with 2 of X, W and P; P the part from outside of X.
+  /// Whether P is worth keeping.
+  bool rotate(int blocks) {
+    const Eigen::Index m = (1 + blocks) * width_;
+    Ritz ritz;
+    if (m > width_) unit_columns(width_, m);
+    const Dense GS = gram(S_, m), GM = gram(M_, m);
+    agreed([&] { ritz = rayleigh_ritz(GS, GM, width_, dependent); });
+    share_from_first({reinterpret_cast<double*>(ritz.coefficients.data()), at(2 * ritz.coefficients.size())});
+    const Eigen::Index found = ritz.coefficients.cols();
+    if (found < width_) throw SolveError("the start vectors of the eigensolver are dependent");
+    constexpr Eigen::Index tile = 512;
+    Dense outside, all;
+    for (Eigen::Index i = 0; i < basis_.rows(); i += tile) {
+      const Eigen::Index count = std::min(tile, basis_.rows() - i);
+      auto rows = basis_.middleRows(i, count);
+      outside.noalias() = rows.middleCols(width_, m - width_) * ritz.coefficients.bottomRows(m - width_);
+      all.noalias() = rows.leftCols(width_) * ritz.coefficients.topRows(width_);
+      if (m > width_) {
+        all += outside;
+        rows.rightCols(width_) = outside;
+      }
+      rows.leftCols(width_) = all;
+    }
+    return m > width_;
+  }
+
+  /// Columns [begin, end) of the basis scaled to length 1, so that nothing is lost in Gram matrices.
+  void unit_columns(Eigen::Index begin, Eigen::Index end) {
+    std::vector<double> squares;
+    for (Eigen::Index k = begin; k < end; ++k) squares.push_back(basis_.col(k).squaredNorm());
+    sum_all(squares);
+    for (Eigen::Index k = begin; k < end; ++k) {
+      const double square = squares[at(k - begin)];
+      if (square > 0) basis_.col(k) /= std::sqrt(square);
+    }
+  }
+
+  /// B^H A B of the first m columns of the basis.
+  Dense gram(Mat A, Eigen::Index m) {
+    Dense G(m, m);
+    for (Eigen::Index k = 0; k < m; ++k) {
+      columns_.multiply(A, basis_.col(k).data(), y_.data());
+      G.col(k).noalias() = basis_.leftCols(m).adjoint() * y_;
+    }
+    sum_all({reinterpret_cast<double*>(G.data()), at(2 * G.size())});
+    return (G + G.adjoint()) / 2;
+  }
+
+  /// W = S X - M X diag(lambda), lambda the Rayleigh quotients; the first one's residuals.
+  void residuals(EigenReport& report) {
+    for (Eigen::Index k = 0; k < width_; ++k) {
+      columns_.multiply(S_, X().col(k).data(), y_.data());
+      columns_.multiply(M_, X().col(k).data(), z_.data());
+      double products[2] = {X().col(k).dot(y_).real(), X().col(k).dot(z_).real()};
+      sum_all(products);
+      const double lambda = products[0] / products[1];
+      W().col(k) = y_ - lambda * z_;
+      if (k > 0) continue;
+      double sums[3] = {W().col(0).squaredNorm(), z_.squaredNorm(),
+                        (W().col(0).cwiseAbs2().array() / diagonal_.array()).sum()};
+      sum_all(sums);
+      report.lambda = lambda;
+      report.residual = std::sqrt(sums[0] / sums[1]) / std::max(lambda, 1 / area_);
+      report.energy_residual = sums[2] / products[1] / std::max(lambda, 1e-6 / area_);
+    }
+  }
+
+  void precondition() {
+    for (Eigen::Index k = 0; k < width_; ++k) {
+      y_ = W().col(k);
+      columns_.precondition(pc_.get(), y_.data(), W().col(k).data());
+    }
+  }
+
+  /// What was reached: the tolerance, or what rounding in S u and M u leaves (rounding_floor() of
+  /// solvers/eigenpair/problem.h).
+  void conclude(EigenReport& report) {
+    report.converged = report.residual <= options_.tolerance && report.energy_residual <= options_.tolerance;
+    if (report.converged) return;
+    const LocalRows s(S_), m(M_);
+    // Neighbours' values on other ranks count as large as the vertex's own.
+    constexpr double margin = 8 * std::numeric_limits<double>::epsilon();
+    const auto absolute = [&](const LocalRows& rows, Eigen::Index i) {
+      double total = 0;
+      for (PetscInt e = rows.own.start[i]; e < rows.own.start[i + 1]; ++e)
+        total += std::abs(rows.own.value[e]) * std::abs(X()(rows.own.column[e], 0));
+      for (PetscInt e = rows.other.start[i]; e < rows.other.start[i + 1]; ++e)
+        total += std::abs(rows.other.value[e]) * std::abs(X()(i, 0));
+      return total;
+    };
+    columns_.multiply(M_, X().col(0).data(), z_.data());
+    double sums[4] = {0, z_.squaredNorm(), 0, X().col(0).dot(z_).real()};
+    for (Eigen::Index i = 0; i < basis_.rows(); ++i) {
+      const double r = margin * (absolute(s, i) + std::abs(report.lambda) * absolute(m, i));
+      sums[0] += r * r;
+      sums[2] += r * r / diagonal_[i];
+    }
+    sum_all(sums);
+    const double floor = std::sqrt(sums[0] / sums[1]) / std::max(report.lambda, 1 / area_);
+    const double energy_floor = sums[2] / sums[3] / std::max(report.lambda, 1e-6 / area_);
+    report.converged = report.residual <= std::max(floor, options_.tolerance) &&
+                       report.energy_residual <= std::max(energy_floor, options_.tolerance);
+    report.message = report.converged
+                         ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
+                         : "the residual asked for was not reached";
   }
 
   Mat S_, M_;
   double area_;
-  const std::vector<Index>& numbers_;
   const DistributedOptions& options_;
   Multigrid multigrid_;
-  petsc::OwnedVec u_, Su_, Mu_, diagonal_;
-  petsc::OwnedEps eps_;
-  double typical_ = 1;  ///< |M x| at |x|_M = 1, about
+  Columns columns_;
+  Eigen::Index width_;
+  Dense basis_;  // X, W and P
+  ComplexVectorX<double> y_, z_;
+  VectorX<double> diagonal_;
+  petsc::Owned<PC, PCDestroy> pc_;
 };
 
 }  // namespace
@@ -204,8 +264,8 @@ EigenReport smallest_together(const petsc::OwnedMat& S, const petsc::OwnedMat& M
                               ComplexVectorX<double>& u) {
   const Stopwatch watch;
   Together together(S, M, area, numbers, options);
-  EigenReport report = together.run();
-  together.copy_to(u);
+  EigenReport report = together.run(u);
+  // |u|_M = 1: the first Ritz vector has that length, to rounding.
   report.seconds = watch.seconds();
   return report;
 }

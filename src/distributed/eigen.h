@@ -12,7 +12,7 @@ namespace alcap::detail::distributed {
 [[nodiscard]] ComplexVectorX<double> solve_components(const Patch& patch, const Matrices& matrices,
                                                       Components& components, const DistributedOptions& options);
 
-/// One eigenproblem over all ranks, by SLEPc's LOBPCG. `numbers`: the users' of this rank's rows; `u`: their values.
+/// One eigenproblem over all ranks, by block LOBPCG. `numbers`: the users' of this rank's rows; `u`: their values.
 [[nodiscard]] EigenReport smallest_together(const petsc::OwnedMat& S, const petsc::OwnedMat& M, double area,
                                             const std::vector<Index>& numbers, const DistributedOptions& options,
                                             ComplexVectorX<double>& u);

@@ -11,7 +11,7 @@ namespace alcap::detail::distributed {
 namespace {
 
 /// A level of so few rows is solved directly, on every rank.
-constexpr PetscInt coarsest_rows = 300;
+constexpr PetscInt coarsest_rows = 100;
 /// Coarsening that keeps more than this part of the rows has come to its end.
 constexpr double stalled = 0.8;
 /// Of the smoothing of prolongations, as solvers/multigrid/prolongation.cpp: damping, and the least part of a diagonal

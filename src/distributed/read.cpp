@@ -11,6 +11,7 @@
 #include "src/base/array.h"
 #include "src/base/bytes.h"
 #include "src/base/limits.h"
+#include "src/distributed/meter.h"
 #include "src/distributed/parallel_file.h"
 #include "src/distributed/together.h"
 #include "src/io/mesh/ply_header.h"
@@ -213,6 +214,7 @@ MeshSlice read_mesh_slice(const std::string& path) {
   using namespace detail;
   using namespace detail::distributed;
   const petsc::Session session;
+  Meter meter;
   const ParallelInput file(path);
   const std::vector<char> start = file.read(0, rank() == 0 ? std::min(file.size(), longest_header) : 0);
   std::vector<Layout> layout;
@@ -238,6 +240,7 @@ MeshSlice read_mesh_slice(const std::string& path) {
     else
       parse<std::endian::big>(path, layout[0], v, f, mesh);
   });
+  meter.done("read", mesh.phases);
   return mesh;
 }
 

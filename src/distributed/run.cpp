@@ -154,6 +154,7 @@ DistributedField distributed_field(const MeshSlice& mesh, const DistributedOptio
   agreed([&] { check_options(mesh, options); });
   DistributedField out;
   out.n = options.n;
+  out.phases = mesh.phases;
   compute(mesh, options, out);
   return out;
 }

@@ -29,3 +29,11 @@ if(ALCAP_MPIRUN)
     endforeach()
   endforeach()
 endif()
+if(ALCAP_MPIRUN AND TARGET alcap_mpi)
+  foreach(ranks IN ITEMS 2 3)
+    add_test(NAME mpi_cli_${ranks} COMMAND ${CMAKE_COMMAND} -D ALCAP=$<TARGET_FILE:alcap_cli> -D ALCAP_MPI=$<TARGET_FILE:alcap_mpi>
+      -D MPIRUN=${ALCAP_MPIRUN} -D RANKS=${ranks} -D WORK=${CMAKE_CURRENT_BINARY_DIR}/mpi_cli_${ranks}
+      -P ${CMAKE_CURRENT_LIST_DIR}/mpi_cli.cmake)
+    set_tests_properties(mpi_cli_${ranks} PROPERTIES ENVIRONMENT "${alcap_mpi_environment}" TIMEOUT 300)
+  endforeach()
+endif()
