@@ -29,8 +29,9 @@
 
 namespace alcap {
 
-/// This process's number, and how many there are.
+/// This process's number, from 0.
 [[nodiscard]] int distributed_rank();
+/// How many processes there are.
 [[nodiscard]] int distributed_ranks();
 
 /// Calls body on rank 0 while the others wait; what it throws, all throw.
@@ -86,14 +87,14 @@ struct NamesOf<PartitionMethod> {
 
 /// Which field, and how.
 struct DistributedOptions {
-  int n = 1;                         // degree
-  double s = 0;                      // of the energy E_s, see energies.h
-  ConnectionChoice connection = {};  // polar, polar-barycenter, local or global
-  GlobalOptions global = {};         // weights and tolerance of the global connection
-  double tolerance = 1e-8;           // as EigenOptions::tolerance, recomputed
-  int max_iterations = 1000;         // of the eigensolver, per component
-  std::uint64_t seed = 1;            // of its start vectors
-  PartitionMethod partition = PartitionMethod::scotch;
+  int n = 1;                                            // degree
+  double s = 0;                                         // of the energy E_s, see energies.h
+  ConnectionChoice connection = {};                     // polar, polar-barycenter, local or global
+  GlobalOptions global = {};                            // weights and tolerance of the global connection
+  double tolerance = 1e-8;                              // as EigenOptions::tolerance, recomputed
+  int max_iterations = 1000;                            // of the eigensolver, per component
+  std::uint64_t seed = 1;                               // of its start vectors
+  PartitionMethod partition = PartitionMethod::scotch;  // who owns which vertices
   /// Components of up to so many vertices are solved each by one rank, as on one machine and with the same proof.
   Index gather_below = 1000;
 };

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // run.cpp: a field from a mesh in slices, phase by phase.
-#include <cmath>
 #include <cstdlib>
 #include <memory>
 
 #include "alcap/frames.h"
 #include "src/base/array.h"
-#include "src/base/cancel.h"
+#include "src/base/numbers.h"
 #include "src/distributed/analysis.h"
 #include "src/distributed/connect.h"
 #include "src/distributed/eigen.h"
@@ -37,7 +36,7 @@ void check_options(const MeshSlice& mesh, const DistributedOptions& o) {
 void spread_counts(std::int64_t value, std::int64_t (&out)[3]) {
   double all[3];
   spread(static_cast<double>(value), all);
-  for (int k = 0; k < 3; ++k) out[k] = std::llround(all[k]);
+  for (int k = 0; k < 3; ++k) out[k] = rounded<std::int64_t>(all[k]).value_or(0);
 }
 
 /// Values at owned vertices to this rank's slice of the users' numbering.
