@@ -2,6 +2,10 @@
 #
 # Options and defaults. Everything global (build type, compiler launcher, compile_commands.json) is set only
 # when alcap is the top-level project; a parent project keeps its own.
+set(alcap_not_unix ON)
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux")
+  set(alcap_not_unix OFF)
+endif()
 option(ALCAP_BUILD_APPS "Build the command line tool" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(ALCAP_BUILD_EXAMPLES "Build the programs of docs/recipes.md" ${PROJECT_IS_TOP_LEVEL})
@@ -18,6 +22,7 @@ option(ALCAP_WITH_CHOLMOD "Direct solves through SuiteSparse CHOLMOD (Eigen othe
 set(ALCAP_WITH_PETSC OFF CACHE STRING "Backends by PETSc and SLEPc (alcap::petsc): OFF, ON, or AUTO where they are found")
 set_property(CACHE ALCAP_WITH_PETSC PROPERTY STRINGS OFF ON AUTO)
 option(ALCAP_WITH_PICTURES "Pictures from the command line tool, where OpenGL ES and libpng are found" ON)
+option(ALCAP_PORTABLE "C++ alone where the sources otherwise call the system: no POSIX files, signals, pictures, studio" ${alcap_not_unix})
 option(ALCAP_NATIVE "Compile for this machine only (-march=native), alcap and everything that links it" OFF)
 option(ALCAP_UNITY "Compile the files of a folder together: a build from nothing is shorter, one of a single file longer" ON)
 option(ALCAP_HARDENED "Stack protector, checked string functions, full RELRO, PIE" ON)

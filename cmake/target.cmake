@@ -6,6 +6,9 @@
 # targets (library, tool, tests, benchmarks). Never inherited by a target that links alcap.
 function(alcap_private_flags target)
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
+  if(ALCAP_PORTABLE)
+    target_compile_definitions(${target} PRIVATE ALCAP_PORTABLE)
+  endif()
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion
     $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow>
     $<$<BOOL:${ALCAP_WARNINGS_AS_ERRORS}>:-Werror>)

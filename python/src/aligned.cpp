@@ -23,12 +23,8 @@ py::dict graph_dict(const FeatureGraph& graph) {
     lines.append(
         py::make_tuple(moved(std::vector<Index>(line.vertices)), moved(std::vector<Index>(line.edges)), line.closed));
   for (const FeatureVertex v : graph.vertices) vertices.append(vertex_kinds.at(static_cast<std::size_t>(v)));
-  py::dict d;
-  d["edges"] = moved(std::vector<Index>(graph.edges));
-  d["angles"] = moved(std::vector<double>(graph.angles));
-  d["vertices"] = vertices;
-  d["lines"] = lines;
-  return d;
+  return py::dict("edges"_a = moved(std::vector<Index>(graph.edges)),
+                  "angles"_a = moved(std::vector<double>(graph.angles)), "vertices"_a = vertices, "lines"_a = lines);
 }
 
 FeatureGraph graph_of(const py::object& graph) {
@@ -54,15 +50,8 @@ py::list pieces_list(const std::vector<AlignedPiece>& list) {
     py::list steps;
     for (const AlignedStep& s : piece.steps)
       steps.append(py::make_tuple(s.tau, s.energy, s.largest_degrees, s.rms_degrees));
-    py::dict d;
-    d["held"] = piece.held;
-    d["rows"] = piece.rows;
-    d["lambda"] = piece.lambda;
-    d["steps"] = steps;
-    d["settled"] = piece.settled;
-    d["residual"] = piece.residual;
-    d["solver"] = piece.solver;
-    out.append(d);
+    out.append(py::dict("held"_a = piece.held, "rows"_a = piece.rows, "lambda"_a = piece.lambda, "steps"_a = steps,
+                        "settled"_a = piece.settled, "residual"_a = piece.residual, "solver"_a = piece.solver));
   }
   return out;
 }
@@ -70,16 +59,10 @@ py::list pieces_list(const std::vector<AlignedPiece>& list) {
 namespace {
 
 py::dict deviation(const LineDeviation& line) {
-  py::dict d;
-  d["edges"] = line.edges;
-  d["corner_edges"] = line.corner_edges;
-  d["length"] = line.length;
-  d["mean_degrees"] = line.mean_degrees;
-  d["p95_degrees"] = line.p95_degrees;
-  d["worst_degrees"] = line.worst_degrees;
-  d["corner_worst_degrees"] = line.corner_worst_degrees;
-  d["singularities"] = line.singularities;
-  return d;
+  return py::dict("edges"_a = line.edges, "corner_edges"_a = line.corner_edges, "length"_a = line.length,
+                  "mean_degrees"_a = line.mean_degrees, "p95_degrees"_a = line.p95_degrees,
+                  "worst_degrees"_a = line.worst_degrees, "corner_worst_degrees"_a = line.corner_worst_degrees,
+                  "singularities"_a = line.singularities);
 }
 
 }  // namespace
@@ -87,11 +70,8 @@ py::dict deviation(const LineDeviation& line) {
 py::dict deviations_dict(const FeatureReport& report) {
   py::list lines;
   for (const LineDeviation& line : report.lines) lines.append(deviation(line));
-  py::dict d;
-  d["lines"] = lines;
-  d["all"] = deviation(report.all);
-  d["singularities_at_corners"] = report.singularities_at_corners;
-  return d;
+  return py::dict("lines"_a = lines, "all"_a = deviation(report.all),
+                  "singularities_at_corners"_a = report.singularities_at_corners);
 }
 
 SharpEdgeOptions sharp_options(const py::dict& d) {

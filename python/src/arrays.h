@@ -20,6 +20,7 @@
 namespace alcap::python {
 
 namespace py = pybind11;
+using namespace pybind11::literals;  // "name"_a = value
 
 /// Lengths of an array along its dimensions.
 using Shape = std::vector<py::ssize_t>;

@@ -188,14 +188,8 @@ void bind_connected(py::module_& m) {
       "connection_report",
       [](const ConnectedSurface& s) {
         const ConnectionReport& r = s.connection().report;
-        py::dict d;
-        d["converged"] = r.converged;
-        d["iterations"] = r.iterations;
-        d["residual"] = r.residual;
-        d["D_T"] = r.D_T;
-        d["D_E"] = r.D_E;
-        d["message"] = r.message;
-        return d;
+        return py::dict("converged"_a = r.converged, "iterations"_a = r.iterations, "residual"_a = r.residual,
+                        "D_T"_a = r.D_T, "D_E"_a = r.D_E, "message"_a = r.message);
       },
       "dict: converged, iterations, residual, D_T, D_E, message.");
   c.def(

@@ -49,12 +49,8 @@ Control control_of(const py::object& c) {
 py::list reports(const std::vector<ControlReport>& list) {
   py::list out;
   for (const ControlReport& r : list) {
-    py::dict d;
-    d["id"] = static_cast<int>(r.id);
-    d["met"] = r.met;
-    d["index"] = r.index;
-    d["error_degrees"] = r.error_degrees;
-    out.append(d);
+    out.append(py::dict("id"_a = static_cast<int>(r.id), "met"_a = r.met, "index"_a = r.index,
+                        "error_degrees"_a = r.error_degrees));
   }
   return out;
 }
@@ -85,13 +81,8 @@ class Live {
     for (const auto& [id, control] : all) {
       const auto* t = std::get_if<SingularityTarget>(&control);
       if (t == nullptr) continue;
-      py::dict d;
-      d["face"] = t->face;
-      d["sign"] = t->sign;
-      d["count"] = t->count;
-      d["orientation"] = t->orientation;
-      d["strength"] = t->strength;
-      d["pin"] = t->pin;
+      py::dict d("face"_a = t->face, "sign"_a = t->sign, "count"_a = t->count, "orientation"_a = t->orientation,
+                 "strength"_a = t->strength, "pin"_a = t->pin);
       out.append(py::make_tuple(static_cast<int>(id), d));
     }
     return out;
@@ -126,12 +117,8 @@ class Live {
   py::tuple solve() {
     std::optional<DesignResult> r;
     call([&] { r = designer_->solve(); });
-    py::dict report;
-    report["rows"] = r->rows;
-    report["solves"] = r->solves;
-    report["residual"] = r->residual;
-    report["solver"] = r->solver;
-    report["seconds"] = r->seconds;
+    py::dict report("rows"_a = r->rows, "solves"_a = r->solves, "residual"_a = r->residual, "solver"_a = r->solver,
+                    "seconds"_a = r->seconds);
     return py::make_tuple(std::make_shared<Field>(std::move(r->field)), reports(r->controls), report);
   }
 
@@ -174,12 +161,8 @@ py::tuple smoothest_design(const ConnectedSurface& surface, const py::object& st
   py::list components, lines;
   for (const EigenReport& e : r.components) components.append(eigen_dict(e));
   for (const EigenStrokeReport& s : r.strokes) {
-    py::dict line;
-    line["mean_degrees"] = s.mean_degrees;
-    line["largest_degrees"] = s.largest_degrees;
-    line["magnitude"] = s.magnitude;
-    line["met"] = s.met;
-    lines.append(line);
+    lines.append(py::dict("mean_degrees"_a = s.mean_degrees, "largest_degrees"_a = s.largest_degrees,
+                          "magnitude"_a = s.magnitude, "met"_a = s.met));
   }
   return py::make_tuple(std::make_shared<Field>(std::move(r.field)), components, lines, reports(r.singularities));
 }

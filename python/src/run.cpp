@@ -56,13 +56,8 @@ FieldRunOptions options_of(const py::dict& d, const py::dict& connection, const 
 py::list remarks(const std::vector<Remark>& list) {
   py::list out;
   for (const Remark& r : list) {
-    py::dict d;
-    d["code"] = r.code;
-    d["warning"] = r.warning;
-    d["message"] = r.message;
-    d["count"] = r.count;
-    d["first"] = r.first;
-    out.append(d);
+    out.append(py::dict("code"_a = r.code, "warning"_a = r.warning, "message"_a = r.message, "count"_a = r.count,
+                        "first"_a = r.first));
   }
   return out;
 }
@@ -209,13 +204,9 @@ void bind_run(py::module_& m) {
   field_run.def_property_readonly("features", [](const Run& r) -> py::object {
     if (!r.run.features) return py::none();
     const FieldFeatures& f = *r.run.features;
-    py::dict d;
-    d["graph"] = graph_dict(f.graph);
-    d["pieces"] = pieces_list(f.pieces);
-    d["free_corners"] = moved(std::vector<Index>(f.free_corners));
-    d["report"] = deviations_dict(f.report);
-    d["followed"] = f.followed;
-    return d;
+    return py::dict("graph"_a = graph_dict(f.graph), "pieces"_a = pieces_list(f.pieces),
+                    "free_corners"_a = moved(std::vector<Index>(f.free_corners)),
+                    "report"_a = deviations_dict(f.report), "followed"_a = f.followed);
   });
   field_run.def_property_readonly("modes", [](const Run& r) { return modes_tuple(EigenModes(r.run.modes)); });
   field_run.def_property_readonly("copies_of", [](const Run& r) { return moved(std::vector<Index>(r.run.copies_of)); });

@@ -40,30 +40,17 @@ EigenOptions eigen_of(const py::dict& d) {
 }
 
 py::dict eigen_dict(const EigenReport& r) {
-  py::dict d;
-  d["solver"] = r.solver;
-  d["converged"] = r.converged;
-  d["iterations"] = r.iterations;
-  d["lambda"] = r.lambda;
-  d["next"] = r.next ? py::object(py::float_(*r.next)) : py::none();
-  d["residual"] = r.residual;
-  d["energy_residual"] = r.energy_residual;
-  d["smallest"] = std::string(name(r.smallest));
-  d["lower_bound"] = r.lower_bound ? py::object(py::float_(*r.lower_bound)) : py::none();
-  d["smallest_note"] = r.smallest_note;
-  d["seconds"] = r.seconds;
-  d["message"] = r.message;
-  return d;
+  return py::dict("solver"_a = r.solver, "converged"_a = r.converged, "iterations"_a = r.iterations,
+                  "lambda"_a = r.lambda, "next"_a = r.next ? py::object(py::float_(*r.next)) : py::none(),
+                  "residual"_a = r.residual, "energy_residual"_a = r.energy_residual,
+                  "smallest"_a = std::string(name(r.smallest)),
+                  "lower_bound"_a = r.lower_bound ? py::object(py::float_(*r.lower_bound)) : py::none(),
+                  "smallest_note"_a = r.smallest_note, "seconds"_a = r.seconds, "message"_a = r.message);
 }
 
 py::dict solve_dict(const SolveReport& r) {
-  py::dict d;
-  d["solver"] = r.solver;
-  d["converged"] = r.converged;
-  d["iterations"] = r.iterations;
-  d["residual"] = r.residual;
-  d["factor_nonzeros"] = r.factor_nonzeros;
-  return d;
+  return py::dict("solver"_a = r.solver, "converged"_a = r.converged, "iterations"_a = r.iterations,
+                  "residual"_a = r.residual, "factor_nonzeros"_a = r.factor_nonzeros);
 }
 
 namespace {
@@ -106,15 +93,9 @@ class Factorised {
 }  // namespace
 
 py::tuple modes_tuple(EigenModes r) {
-  py::dict d;
-  d["solver"] = r.solver;
-  d["converged"] = r.converged;
-  d["iterations"] = r.iterations;
-  d["residual"] = moved(std::move(r.residual));
-  d["cluster"] = r.cluster;
-  d["smallest"] = std::string(name(r.smallest));
-  d["seconds"] = r.seconds;
-  d["message"] = r.message;
+  py::dict d("solver"_a = r.solver, "converged"_a = r.converged, "iterations"_a = r.iterations,
+             "residual"_a = moved(std::move(r.residual)), "cluster"_a = r.cluster,
+             "smallest"_a = std::string(name(r.smallest)), "seconds"_a = r.seconds, "message"_a = r.message);
   py::array_t<C, py::array::f_style> U({r.U.rows(), r.U.cols()});
   Columns(U.mutable_data(), r.U.rows(), r.U.cols()) = r.U;
   return py::make_tuple(moved(std::move(r.lambda)), U, d);

@@ -35,15 +35,8 @@ py::array per(Index count, Value&& value) {
 py::list components(const Topology& topology) {
   py::list out;
   for (const ComponentInfo& c : topology.components) {
-    py::dict d;
-    d["vertices"] = c.vertices;
-    d["edges"] = c.edges;
-    d["faces"] = c.faces;
-    d["euler"] = c.euler;
-    d["genus"] = c.genus;
-    d["boundary_loops"] = c.boundary_loops;
-    d["first_face"] = c.first_face;
-    out.append(d);
+    out.append(py::dict("vertices"_a = c.vertices, "edges"_a = c.edges, "faces"_a = c.faces, "euler"_a = c.euler,
+                        "genus"_a = c.genus, "boundary_loops"_a = c.boundary_loops, "first_face"_a = c.first_face));
   }
   return out;
 }
@@ -62,13 +55,8 @@ py::tuple piece(Piece p) {
 py::list defects(const std::vector<DefectReport>& reports) {
   py::list out;
   for (const DefectReport& r : reports) {
-    py::dict d;
-    d["defect"] = name(r.defect);
-    d["element"] = name(r.element);
-    d["count"] = r.count;
-    d["first"] = r.first;
-    d["message"] = r.message;
-    out.append(d);
+    out.append(py::dict("defect"_a = name(r.defect), "element"_a = name(r.element), "count"_a = r.count,
+                        "first"_a = r.first, "message"_a = r.message));
   }
   return out;
 }
@@ -219,12 +207,8 @@ void bind_surface(py::module_& m) {
         watched(py::none(), 0, [&] { return repair_mesh(std::move(points), std::move(faces), options); });
     py::list steps;
     for (const RepairStep& step : out.steps) {
-      py::dict d;
-      d["code"] = step.code;
-      d["count"] = step.count;
-      d["first"] = step.first;
-      d["message"] = step.message;
-      steps.append(d);
+      steps.append(
+          py::dict("code"_a = step.code, "count"_a = step.count, "first"_a = step.first, "message"_a = step.message));
     }
     return py::make_tuple(moved_rows(std::move(out.V)), moved_faces(std::move(out.F)), moved(std::move(out.copies_of)),
                           moved(std::move(out.face_of)), steps);

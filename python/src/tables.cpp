@@ -44,25 +44,12 @@ py::dict plan(const py::dict& d) {
   const RunPlan r = plan_field(options);
   py::list phases;
   for (const PhasePlan& phase : r.phases) {
-    py::dict p;
-    p["name"] = phase.name;
-    p["seconds"] = phase.seconds;
-    p["bytes"] = phase.bytes;
-    p["disk"] = phase.disk;
-    phases.append(p);
+    phases.append(
+        py::dict("name"_a = phase.name, "seconds"_a = phase.seconds, "bytes"_a = phase.bytes, "disk"_a = phase.disk));
   }
-  py::dict out;
-  out["fits"] = r.fits();
-  out["refusals"] = r.refusals;
-  out["phases"] = phases;
-  out["seconds"] = r.seconds;
-  out["bytes"] = r.bytes;
-  out["most_bytes"] = r.most_bytes;
-  out["factor_bytes"] = r.factor_bytes;
-  out["disk"] = r.disk;
-  out["memory"] = r.memory;
-  out["largest"] = r.largest;
-  return out;
+  return py::dict("fits"_a = r.fits(), "refusals"_a = r.refusals, "phases"_a = phases, "seconds"_a = r.seconds,
+                  "bytes"_a = r.bytes, "most_bytes"_a = r.most_bytes, "factor_bytes"_a = r.factor_bytes,
+                  "disk"_a = r.disk, "memory"_a = r.memory, "largest"_a = r.largest);
 }
 
 }  // namespace

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: MIT
 """The package itself: types, docstrings, versions, what the wheel holds and needs."""
+import importlib.util
 import inspect
 import os
 import re
 import shutil
 import subprocess
 import sys
+import tarfile
 import zipfile
 
 import pytest
@@ -83,6 +85,27 @@ def test_the_wheel():
     assert {'alcap/__init__.py', 'alcap/py.typed', 'alcap/_alcap.pyi'} <= set(names)
     assert all(name in record for name in names)
     assert all(name.startswith(('alcap/', 'alcap-')) for name in names)
+
+
+@pytest.mark.skipif(shutil.which('cmake') is None, reason='no cmake')
+def test_the_sdist_has_all_that_a_build_needs(source, tmp_path):
+    spec = importlib.util.spec_from_file_location('build_backend', os.path.join(source, 'python/build_backend.py'))
+    backend = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(backend)
+    with tarfile.open(tmp_path / backend.build_sdist(str(tmp_path))) as tar:
+        tar.extractall(tmp_path)
+    unpacked = tmp_path / f'alcap-{alcap.__version__}'
+    assert (unpacked / 'PKG-INFO').read_text().startswith('Metadata-Version')
+    made = subprocess.run(['cmake', '-S', unpacked, '-B', tmp_path / 'build', '-DCMAKE_BUILD_TYPE=Release',
+                           '-DALCAP_BUILD_APPS=OFF', '-DALCAP_BUILD_TESTS=OFF', '-DALCAP_BUILD_C=OFF',
+                           '-DALCAP_BUILD_EXAMPLES=OFF', '-DALCAP_BUILD_PYTHON=ON', f'-DALCAP_PYTHON_FOR={sys.executable}'],
+                          capture_output=True, text=True)
+    assert made.returncode == 0, made.stderr
+    for folder in ('include', 'src', 'solvers', 'kernels', 'python/src', 'python/alcap'):
+        for here, _, files in os.walk(os.path.join(source, folder)):
+            for file in files:
+                if file.endswith(('.cpp', '.h', '.py', '.pyi', '.typed')):
+                    assert (unpacked / os.path.relpath(os.path.join(here, file), source)).exists(), file
 
 
 @pytest.mark.skipif(not sys.platform.startswith('linux') or shutil.which('readelf') is None, reason='no readelf')

@@ -10,26 +10,15 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <random>
 #include <system_error>
 #include <utility>
 
 #include "alcap/errors.h"
 #include "src/base/cancel.h"
+#include "src/base/file_names.h"
 
 namespace alcap::detail {
 namespace {
-
-std::filesystem::path folder_of(const std::filesystem::path& path) {
-  const std::filesystem::path folder = path.parent_path();
-  return folder.empty() ? "." : folder;
-}
-
-// What temporary names of a target start with. Names may have 255 bytes, so that long ones are cut.
-std::string prefix_of(const std::filesystem::path& target) {
-  constexpr std::size_t most = 200;
-  return "." + target.filename().string().substr(0, most) + ".tmp-";
-}
 
 // The signal may have been somebody's wish to stop. Checks answer every hundredth of a second.
 void after_signal() {
@@ -38,15 +27,6 @@ void after_signal() {
 }
 
 }  // namespace
-
-std::filesystem::path temporary_name(const std::filesystem::path& target) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::random_device source;
-  std::string name = prefix_of(target);
-  for (int k = 0; k < 4; ++k)
-    for (unsigned bits = source(), digit = 0; digit < 4; ++digit, bits >>= 4) name += digits[bits & 15U];
-  return folder_of(target) / name;
-}
 
 std::vector<std::filesystem::path> find_leftovers(const std::filesystem::path& target) {
   std::vector<std::filesystem::path> found;
@@ -69,19 +49,6 @@ void sync_folder(const std::filesystem::path& folder) noexcept {
   if (descriptor < 0) return;
   static_cast<void>(::fsync(descriptor));
   ::close(descriptor);
-}
-
-std::filesystem::path follow_links(const std::filesystem::path& path) {
-  constexpr int most = 40;  // as the system
-  std::filesystem::path at = path;
-  for (int k = 0; k < most; ++k) {
-    std::error_code error;
-    if (!std::filesystem::is_symlink(std::filesystem::symlink_status(at, error))) return at;
-    const std::filesystem::path to = std::filesystem::read_symlink(at, error);
-    if (error) return at;
-    at = to.is_absolute() ? to : folder_of(at) / to;
-  }
-  return {};
 }
 
 AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)), final_(follow_links(target_)) {

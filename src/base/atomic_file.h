@@ -16,6 +16,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -84,7 +85,11 @@ class AtomicFile {
   std::filesystem::path temporary_;  // empty when the target is written directly
   std::string buffer_;
   std::int64_t flushed_ = 0;
+#ifdef ALCAP_PORTABLE
+  std::FILE* stream_ = nullptr;
+#else
   int descriptor_ = -1;
+#endif
   bool complete_ = false;
 };
 

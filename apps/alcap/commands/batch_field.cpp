@@ -3,7 +3,6 @@
 // batch_field.cpp: `alcap field --batch LIST`. A mesh that fails is a line of the report, not the end of the run.
 #include "apps/alcap/commands/batch_field.h"
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -21,6 +20,7 @@
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
+#include "apps/alcap/system/system.h"
 #include "src/base/clock.h"
 #include "src/base/input_file.h"
 
@@ -131,14 +131,6 @@ void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const Field
     paths.push_back(choice.folder / name);
   }
   write_guarded([&] { (void)write_field(output_of(run, unit), paths); });
-}
-
-/// The jobs share the cores among them. OpenBLAS, where it is what CHOLMOD calls, would start threads of its own in
-/// each, which for small meshes takes most of the time (measured: 24 meshes a second, and 67 without). The library
-/// leaves such settings alone; a program of its own may choose.
-void one_thread_for_blas() {
-  using Set = void (*)(int);
-  if (void* const found = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<Set>(found)(1);
 }
 
 }  // namespace

@@ -6,11 +6,18 @@
 
 #include "apps/alcap/commands/command.h"
 
+// The studio is no part of portable builds.
+#ifdef ALCAP_PORTABLE
+#define ALCAP_STUDIO_COMMAND(X)
+#else
+#define ALCAP_STUDIO_COMMAND(X) X(studio)
+#endif
+
 #define ALCAP_COMMANDS(X) \
   X(field)                \
   X(design)               \
   X(view)                 \
-  X(studio)               \
+  ALCAP_STUDIO_COMMAND(X) \
   X(info)                 \
   X(ops)                  \
   X(make)                 \

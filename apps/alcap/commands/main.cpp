@@ -2,10 +2,8 @@
 //
 // main.cpp: parses the command line, runs one subcommand, and turns what comes out of it (a result or any kind of
 // failure) into stdout, stderr, a report file and an exit code. Subcommands print nothing themselves.
-#include <fcntl.h>
 #include <fmt/core.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -30,11 +28,14 @@
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/printable.h"
 #include "apps/alcap/report/report.h"
+#include "apps/alcap/system/system.h"
 #include "src/base/parallel.h"
 #include "src/simd/isa.h"
 
+#ifdef __ELF__
 // Where coverage is measured; the name is gcc's. NOLINTNEXTLINE(readability-identifier-naming)
 extern "C" void __gcov_dump() __attribute__((weak));
+#endif
 
 namespace alcap::app {
 namespace {
@@ -230,15 +231,6 @@ int start(int argc, char** argv) {
   return static_cast<int>(Exit::usage);
 }
 
-/// Gives the standard streams that are closed a place that refuses everything: files that are opened later would take
-/// their numbers, and messages would end up in them.
-void reserve_standard_streams() {
-  for (int descriptor = 0; descriptor < 3; ++descriptor) {
-    if (::fcntl(descriptor, F_GETFD) >= 0 || errno != EBADF) continue;
-    if (::open("/dev/null", descriptor == 0 ? O_WRONLY : O_RDONLY) != descriptor) return;
-  }
-}
-
 /// Ends the program without the exit handlers of libraries: where threads could not be started (ulimit -v), OpenBLAS's
 /// waits for them for ever. Sanitizers look for leaks in theirs.
 int leave(int code) {
@@ -246,7 +238,9 @@ int leave(int code) {
   return code;
 #else
   (void)std::fflush(nullptr);
+#ifdef __ELF__
   if (__gcov_dump != nullptr) __gcov_dump();
+#endif
   std::_Exit(code);
 #endif
 }

@@ -3,20 +3,14 @@
 // outputs.cpp: output files and folders that are complete or not there.
 #include "apps/alcap/report/outputs.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <cerrno>
-#include <csignal>
 #include <system_error>
 
 #include "alcap/errors.h"
 #include "apps/alcap/report/report.h"
+#include "apps/alcap/system/system.h"
 #include "src/base/atomic_file.h"
 #include "src/base/cancel.h"
 
@@ -25,38 +19,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t stop_requested = 0;
-
-/// While it lives, the signals that end programs are only noted, and writing ends soon. Those that are ignored already
-/// (nohup) stay so; those about the writing itself (a closed pipe, the largest size of a file) become errors of it.
+/// Writing ends soon after a signal that ends programs.
 class HoldSignals {
  public:
-  HoldSignals() : scope_(stop_) {
-    for (std::size_t k = 0; k < signals.size(); ++k) {
-      ::sigaction(signals[k], nullptr, &before_[k]);
-      if (before_[k].sa_handler == SIG_IGN) continue;
-      struct sigaction hold = {};
-      if (signals[k] == SIGPIPE || signals[k] == SIGXFSZ)
-        hold.sa_handler = SIG_IGN;
-      else
-        hold.sa_handler = [](int) { stop_requested = 1; };
-      ::sigaction(signals[k], &hold, nullptr);
-    }
-  }
+  HoldSignals() : scope_(stop_) {}
   HoldSignals(const HoldSignals&) = delete;
   HoldSignals& operator=(const HoldSignals&) = delete;
-  ~HoldSignals() {
-    for (std::size_t k = 0; k < signals.size(); ++k) ::sigaction(signals[k], &before_[k], nullptr);
-  }
+  ~HoldSignals() = default;
   static void check() {
-    if (stop_requested != 0) throw Failure(Exit::interrupted, "interrupted while writing");
+    if (HeldSignals::stop_requested()) throw Failure(Exit::interrupted, "interrupted while writing");
   }
 
  private:
-  static constexpr std::array signals{SIGPIPE, SIGXFSZ, SIGINT,  SIGTERM, SIGHUP,    SIGQUIT,
-                                      SIGXCPU, SIGALRM, SIGUSR1, SIGUSR2, SIGVTALRM, SIGPROF};
-  std::array<struct sigaction, signals.size()> before_{};
-  std::function<bool()> stop_ = [] { return stop_requested != 0; };
+  HeldSignals held_;
+  std::function<bool()> stop_ = [] { return HeldSignals::stop_requested(); };
   alcap::detail::ControlScope scope_;
 };
 
@@ -76,9 +52,7 @@ void check_folder(const fs::path& folder, const fs::path& target) {
   std::error_code error;
   if (!fs::exists(folder, error)) fail(target, fmt::format("there is no folder {}; create it first", folder.string()));
   if (!fs::is_directory(folder, error)) fail(target, fmt::format("{} is not a folder", folder.string()));
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    fail(target, fmt::format("no permission to write into {}", folder.string()));
-  }
+  if (!may_write_into(folder)) fail(target, fmt::format("no permission to write into {}", folder.string()));
 }
 
 /// A hidden folder beside the target, removed with what is in it unless it was moved away.
@@ -86,22 +60,21 @@ class TemporaryFolder {
  public:
   explicit TemporaryFolder(const fs::path& target) {
     const fs::path full = fs::absolute(target);
-    int error = EEXIST;
-    for (int attempt = 0; attempt < 100 && error == EEXIST; ++attempt) {
-      path_ = alcap::detail::temporary_name(full);
-      error = ::mkdir(path_.c_str(), 0777) == 0 ? 0 : errno;
+    try {
+      for (int attempt = 0; attempt < 100; ++attempt) {
+        path_ = alcap::detail::temporary_name(full);
+        if (folder_.make(path_)) return;
+      }
+      path_.clear();
+      fail(target, "cannot create a folder beside it (all names are taken)");
+    } catch (const std::system_error& error) {
+      path_.clear();
+      fail(target, fmt::format("cannot create a folder beside it ({})", error.code().message()));
     }
-    if (error != 0) {
-      const std::string reason = std::generic_category().message(error);
-      fail(target, fmt::format("cannot create a folder beside it ({})", reason));
-    }
-    descriptor_ = ::open(path_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor_ >= 0) (void)::flock(descriptor_, LOCK_EX | LOCK_NB);  // says that its writer lives
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
   ~TemporaryFolder() {
-    if (descriptor_ >= 0) ::close(descriptor_);
     std::error_code ignored;
     if (!path_.empty()) fs::remove_all(path_, ignored);
   }
@@ -118,7 +91,7 @@ class TemporaryFolder {
 
  private:
   fs::path path_;
-  int descriptor_ = -1;
+  NewFolder folder_;
 };
 
 fs::path without_slash(const fs::path& path) { return path.has_filename() ? path : path.parent_path(); }

@@ -4,26 +4,15 @@
 #include "apps/alcap/report/progress.h"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
-#include <string_view>
 
 #include "apps/alcap/report/printable.h"
+#include "apps/alcap/system/system.h"
 
 namespace alcap::app {
-namespace {
 
-bool is_terminal() {
-  if (::isatty(STDERR_FILENO) == 0) return false;
-  const char* term = std::getenv("TERM");
-  return term != nullptr && std::string_view(term) != "dumb";
-}
-
-}  // namespace
-
-Progress::Progress(bool wanted) : on_(wanted && is_terminal()) {
+Progress::Progress(bool wanted) : on_(wanted && stderr_is_terminal()) {
   if (on_) ticker_ = std::thread([this] { tick(); });
 }
 

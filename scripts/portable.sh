@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# portable.sh [--all] [ctest options]: builds with ALCAP_PORTABLE, in build/portable, what other systems get: no POSIX
+# files, no signals, no pictures, no studio. Checks that no such call is left, and runs tests of files, meshes, fields
+# and the tool there; --all: every test that such a build has. Without optimisation, to be built soon.
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+programs=(alcap_cli test_base test_mesh test_field test_io) chosen='^(array|numbers|names|mesh|mesh_repair|sharp_edges|surface|topology|field|sizing|mesh_io|output|element_tables|handoff|matrix_file)$'
+case ${1:-} in
+  --all) programs=(all) chosen=.; shift ;;
+  -h | --help) sed -n '4,6s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+esac
+install_packages "${build_packages[@]}"
+folder=$root/build/portable
+cmake -S "$root" -B "$folder" -G Ninja -DALCAP_PORTABLE=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_CXX_FLAGS_RELEASE='-O0 -DNDEBUG' \
+  -DALCAP_HARDENED=OFF -DALCAP_BUILD_C=OFF -DALCAP_BUILD_PYTHON=OFF -DALCAP_BUILD_EXAMPLES=OFF -DALCAP_WITH_PETSC=OFF >"$log" 2>&1 ||
+  { tail -n 20 "$log" >&2; die "CMake could not configure"; }
+cmake --build "$folder" -j "$(jobs)" --target "${programs[@]}"
+
+say "No call of the system is left in the library"
+calls=$(nm -C --undefined-only "$folder/libalcap.a" | awk '{ print $NF }' |
+  grep -xE 'open|open64|fsync|flock|fstat|fstat64|mmap|mmap64|sigaction|signal|fork|kill|poll|dlsym|isatty|usleep|mkstemp|getrlimit' | sort -u || true)
+[ -z "$calls" ] || die "libalcap.a calls" $calls
+! nm --undefined-only "$folder"/apps/alcap/alcap | grep -E ' (sigaction|signal|dlsym|mmap|eglInitialize)(@|$)' ||
+  die "the tool calls what the lines above say"
+
+say "Tests"
+(cd "$folder" && ctest -R "$chosen" --output-on-failure --no-tests=error -j "$(nproc)" "$@")
+try=$(mktemp -d)
+trap 'rm -rf "$try"' EXIT
+cd "$try"
+"$folder/apps/alcap/alcap" make icosphere:3 -o ball.ply -q
+"$folder/apps/alcap/alcap" field ball.ply -n 4 -o out --json >out.json
+grep -q '"ok": true' out.json || die "the tool made no field"
+[ -s out/field.ply ] && [ -s out/report.json ] || die "the tool wrote no files"
+! "$folder/apps/alcap/alcap" studio 2>/dev/null || die "there is a studio"
+say "The portable build works"
