@@ -8,8 +8,10 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <string>
+#include <vector>
 
-#include "alcap/distributed.h"
+#include "alcap/distributed_output.h"
 #include "alcap/version.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/report/flags.h"
@@ -29,21 +31,25 @@ constexpr const char* description =
 constexpr const char* footer =
     "Examples:\n"
     "  mpirun -n 4 alcap-mpi field huge.ply -n 4 -o out     out/ gets field.ply and report.json\n"
+    "  mpirun -n 4 alcap-mpi field huge.ply -n 4 -o field.pvtp    pieces for ParaView\n"
     "  mpirun -n 4 alcap-mpi field huge.ply -n 2 -o lines.ply\n"
     "\n"
-    "The mesh is a binary PLY of triangles; alcap reads all other formats. Exit codes are those of alcap, the same on\n"
+    "Only triangles are read; alcap reads polygons and all other formats. Exit codes are those of alcap, the same on\n"
     "all ranks.";
 
 struct Choice {
   Choice() { options.n = 4; }
   std::string mesh, output, connection = "global", length_factor = "mean_edge", partition = "scotch";
+  std::vector<std::string> formats = {"ply"};
   DistributedOptions options;
   int threads = 1;
   bool json = false, quiet = false;
 };
 
 void add_field_options(cli::App& app, Choice& c) {
-  app.add_option("mesh", c.mesh, "Triangle mesh: binary PLY")->required()->type_name("MESH");
+  app.add_option("mesh", c.mesh, "Triangle mesh: binary PLY, or OFF with one vertex or triangle a line")
+      ->required()
+      ->type_name("MESH");
   app.add_option("-n,-r,--degree,--rosy", c.options.n, "Symmetry: 1 vectors, 2 lines, 4 crosses; any n >= 1")
       ->check(cli::Range(1, 1000))
       ->capture_default_str();
@@ -51,8 +57,13 @@ void add_field_options(cli::App& app, Choice& c) {
                  "Which smoothness, in [-1, 1]: 0 Dirichlet, 1 favours holomorphic, -1 antiholomorphic fields")
       ->check(cli::Range(-1.0, 1.0))
       ->capture_default_str();
-  app.add_option("-o,--output", c.output, "Folder for field.ply and report.json, or a file that ends with .ply")
+  app.add_option("-o,--output", c.output,
+                 "Folder for the field and report.json, or a file that ends with .ply or .pvtp")
       ->type_name("OUT");
+  app.add_option("--formats", c.formats, "Of the files in a folder: ply, one file; pvtp, a piece per rank for ParaView")
+      ->delimiter(',')
+      ->check(cli::IsMember({"ply", "pvtp"}))
+      ->default_str("ply");
   app.add_option("--connection", c.connection, "How the connection is built")
       ->check(cli::IsMember({"polar", "polar-barycenter", "local", "global"}))
       ->capture_default_str();
@@ -113,9 +124,11 @@ void write_report(const std::filesystem::path& file, const Json& report) {
   });
 }
 
-/// Where the field goes, after making sure that it can; empty: nowhere.
-std::filesystem::path prepare_output(const std::filesystem::path& output) {
-  if (output.empty() || output.extension() == ".ply") return output;
+/// The files that are to be written, after making sure that they have a folder.
+std::vector<std::filesystem::path> prepare_output(const Choice& c) {
+  const std::filesystem::path output = c.output;
+  if (output.empty()) return {};
+  if (output.extension() == ".ply" || output.extension() == ".pvtp") return {output};
   writing([&] {
     on_first_rank([&] {
       std::error_code error;
@@ -125,7 +138,9 @@ std::filesystem::path prepare_output(const std::filesystem::path& output) {
       std::filesystem::remove(output / "report.json", error);
     });
   });
-  return output / "field.ply";
+  std::vector<std::filesystem::path> files;
+  for (const std::string& format : c.formats) files.push_back(output / ("field." + format));
+  return files;
 }
 
 int run_field_command(Choice& c) {
@@ -135,12 +150,15 @@ int run_field_command(Choice& c) {
   const detail::Stopwatch watch;
   const MeshSlice mesh = read_mesh_slice(c.mesh);
   const double read_seconds = watch.seconds();
-  const std::filesystem::path output = prepare_output(c.output);
+  const std::vector<std::filesystem::path> files = prepare_output(c);
   DistributedField field = distributed_field(mesh, c.options);
-  if (!output.empty()) writing([&] { write_distributed_ply(output.string(), mesh, field); });
+  for (const std::filesystem::path& file : files)
+    writing([&] {
+      (file.extension() == ".ply" ? write_distributed_ply : write_distributed_pvtp)(file.string(), mesh, field);
+    });
   Json report = distributed_report(c.mesh, mesh, field, c.options);
   report["times"] = {{"read", read_seconds}, {"total", watch.seconds()}};
-  if (!output.empty() && output != std::filesystem::path(c.output))
+  if (!files.empty() && files[0] != std::filesystem::path(c.output))
     write_report(std::filesystem::path(c.output) / "report.json", report);
   on_first_rank([&] {
     const std::string text = c.json ? text_of(report, 2) + "\n" : c.quiet ? "" : printable(distributed_summary(report));

@@ -121,7 +121,7 @@ Json distributed_report(const std::string& path, const MeshSlice& mesh, const Di
   const bool ok = v.connection && v.eigen && v.residual && v.indices && v.smallest != Smallest::refuted;
   Json report = report_head("field", ok);
   report["program"] = "alcap-mpi";
-  report["input"] = {{"path", path}, {"format", "ply"}};
+  report["input"] = {{"path", path}};
   report["mesh"] = mesh_of(mesh, field);
   report["connection"] = {{"kind", std::string(name(ConnectionChoice{field.kind, field.center}))},
                           {"detail", number(field.global.detail)},

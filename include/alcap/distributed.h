@@ -66,9 +66,9 @@ struct MeshSlice {
   return count / ranks * rank + count % ranks * rank / ranks;
 }
 
-/// Reads this rank's slice of a binary PLY file, little or big endian, of triangles only, by MPI-IO: no rank reads
-/// more. Properties and elements that are not of use are stepped over where their rows have a fixed length. Throws
-/// FileError.
+/// Reads this rank's slice of the triangles of a binary PLY, or of an OFF with one vertex or triangle a line, by
+/// MPI-IO: no rank reads more. What is not of use in a PLY is stepped over where its rows have a fixed length. Throws
+/// FileError for other files, and what is broken.
 [[nodiscard]] MeshSlice read_mesh_slice(const std::string& path);
 
 /// This rank's slice of a mesh that every rank has.

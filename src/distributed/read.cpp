@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// read.cpp: slices of binary PLY files. Rank 0 reads the header; then every rank reads the rows of its slice.
+// read.cpp: slices of files. Of a binary PLY, rank 0 reads the header; then every rank reads the rows of its slice.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,6 +13,7 @@
 #include "src/base/limits.h"
 #include "src/distributed/meter.h"
 #include "src/distributed/parallel_file.h"
+#include "src/distributed/read_off.h"
 #include "src/distributed/together.h"
 #include "src/io/mesh/ply_header.h"
 
@@ -39,6 +40,8 @@ struct Layout {
   bool little = true;
   Table vertices, faces;
   Place coordinate[3], count, corner;
+  bool is_off = false;  // then the rest has no meaning
+  OffHeader off = {};
 };
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
@@ -103,7 +106,13 @@ std::int64_t fixed_row(const std::string& path, const PlyElement& element) {
 /// Throws FileError. `bytes`: the beginning of the file.
 Layout lay_out(const std::string& path, std::string_view bytes, std::int64_t size) {
   if (size == 0) refuse(path, "the file is empty");
-  if (!bytes.starts_with("ply")) refuse(path, "this is no PLY file" + std::string(remedy));
+  if (bytes.starts_with("OFF")) {
+    Layout text;
+    text.is_off = true;
+    text.off = read_off_header(path, bytes);
+    return text;
+  }
+  if (!bytes.starts_with("ply")) refuse(path, "this is no PLY or OFF file" + std::string(remedy));
   const Source source{path, bytes};
   const PlyHeader header = read_ply_header(source);
   if (header.encoding == PlyEncoding::ascii)
@@ -207,6 +216,29 @@ void parse(const std::string& path, const Layout& layout, const std::vector<char
   }
 }
 
+/// This rank's slice of a PLY file.
+MeshSlice read_ply_slice(const std::string& path, const ParallelInput& file, const Layout& layout) {
+  const Table &vertices = layout.vertices, &faces = layout.faces;
+  MeshSlice mesh;
+  mesh.vertices = vertices.count;
+  mesh.faces = faces.count;
+  mesh.first_vertex = slice_begin(mesh.vertices, rank(), ranks());
+  mesh.first_face = slice_begin(mesh.faces, rank(), ranks());
+  const std::int64_t vertex_rows = slice_begin(mesh.vertices, rank() + 1, ranks()) - mesh.first_vertex;
+  const std::int64_t face_rows = slice_begin(mesh.faces, rank() + 1, ranks()) - mesh.first_face;
+  const std::vector<char> v = file.read(vertices.begin + mesh.first_vertex * vertices.row, vertex_rows * vertices.row);
+  const std::vector<char> f = file.read(faces.begin + mesh.first_face * faces.row, face_rows * faces.row);
+  agreed([&] {
+    mesh.V.resize(vertex_rows, 3);
+    mesh.F.resize(face_rows, 3);
+    if (layout.little)
+      parse<std::endian::little>(path, layout, v, f, mesh);
+    else
+      parse<std::endian::big>(path, layout, v, f, mesh);
+  });
+  return mesh;
+}
+
 }  // namespace
 }  // namespace detail::distributed
 
@@ -222,24 +254,7 @@ MeshSlice read_mesh_slice(const std::string& path) {
     if (rank() == 0) layout.push_back(lay_out(path, {start.data(), start.size()}, file.size()));
   });
   layout = gather_all(layout);
-  const Table &vertices = layout[0].vertices, &faces = layout[0].faces;
-  MeshSlice mesh;
-  mesh.vertices = vertices.count;
-  mesh.faces = faces.count;
-  mesh.first_vertex = slice_begin(mesh.vertices, rank(), ranks());
-  mesh.first_face = slice_begin(mesh.faces, rank(), ranks());
-  const std::int64_t vertex_rows = slice_begin(mesh.vertices, rank() + 1, ranks()) - mesh.first_vertex;
-  const std::int64_t face_rows = slice_begin(mesh.faces, rank() + 1, ranks()) - mesh.first_face;
-  const std::vector<char> v = file.read(vertices.begin + mesh.first_vertex * vertices.row, vertex_rows * vertices.row);
-  const std::vector<char> f = file.read(faces.begin + mesh.first_face * faces.row, face_rows * faces.row);
-  agreed([&] {
-    mesh.V.resize(vertex_rows, 3);
-    mesh.F.resize(face_rows, 3);
-    if (layout[0].little)
-      parse<std::endian::little>(path, layout[0], v, f, mesh);
-    else
-      parse<std::endian::big>(path, layout[0], v, f, mesh);
-  });
+  MeshSlice mesh = layout[0].is_off ? read_off_slice(path, file, layout[0].off) : read_ply_slice(path, file, layout[0]);
   meter.done("read", mesh.phases);
   return mesh;
 }

@@ -125,7 +125,7 @@ TEST_CASE("files that cannot be read") {
     return thrown<FileError>([&] { (void)read_mesh_slice(folder / "bad.ply"); });
   };
   CHECK(complaint("").find("empty") != std::string::npos);
-  CHECK(complaint("OFF\n").find("no PLY") != std::string::npos);
+  CHECK(complaint("solid\n").find("no PLY") != std::string::npos);
   CHECK(complaint(head).find("cut") != std::string::npos);
   CHECK(complaint(head + points + std::string("\4") + std::string(16, '\0')).find("4 corners") != std::string::npos);
   const std::string wild = std::string("\3") + std::string(8, '\0') + std::string("\7\0\0\0", 4);
