@@ -36,4 +36,9 @@ if(ALCAP_MPIRUN AND TARGET alcap_mpi)
       -P ${CMAKE_CURRENT_LIST_DIR}/mpi_cli.cmake)
     set_tests_properties(mpi_cli_${ranks} PROPERTIES ENVIRONMENT "${alcap_mpi_environment}" TIMEOUT 300)
   endforeach()
+  if(CMAKE_SYSTEM_NAME STREQUAL "Linux")  # by /proc
+    add_test(NAME mpi_killed COMMAND sh ${CMAKE_CURRENT_LIST_DIR}/mpi_killed.sh $<TARGET_FILE:alcap_cli> $<TARGET_FILE:alcap_mpi>
+      ${ALCAP_MPIRUN} ${CMAKE_CURRENT_BINARY_DIR}/mpi_killed)
+    set_tests_properties(mpi_killed PROPERTIES ENVIRONMENT "${alcap_mpi_environment}" TIMEOUT 120)
+  endif()
 endif()
