@@ -48,6 +48,7 @@ struct EigenStroke {
   /// w in units of 10 sqrt(area of the component): 1 means the same on every mesh and in every unit. 1 draws the field
   /// to within a few degrees of the stroke, 100 to what the polyline's own corners leave.
   double weight = 1;
+  bool across = false;  ///< across the line, not along it
 };
 
 /// What an eigen design asks for.
@@ -55,6 +56,9 @@ struct EigenControls {
   std::vector<EigenStroke> strokes = {};  ///< lines to follow
   /// Strength 1 outweighs the smoothest field of a surface without targets several times. Pins are for designer.h only.
   std::vector<SingularityTarget> singularities = {};
+  /// Directions at vertices: the part across is penalised as heavily as that of targets, the part along has the sign of
+  /// everything else. Lengths are the field's own, whatever `value` and `direction_only` say.
+  std::vector<VertexConstraint> fixed = {};
 };
 
 /// How an eigen design is solved.
@@ -87,15 +91,16 @@ struct EigenDesignResult {
   std::vector<EigenReport> components;       ///< one per component, in the order of topology.h
   std::vector<EigenStrokeReport> strokes;    ///< what became of each stroke
   std::vector<ControlReport> singularities;  ///< as of designer.h; ids are their positions
+  std::vector<ControlReport> fixed;          ///< the same; met within target_met_degrees
   double assembly_seconds = 0;               ///< wall clock
   double eigen_seconds = 0;                  ///< wall clock
 };
 
 /// Solves; without controls as smoothest_field(). Throws OptionError for n < 1, s outside [-1, 1], bad weights, pins,
-/// or strokes and singularities that are empty or name faces that the mesh does not have. Non-convergence is reported.
-/// O(factorisation); the derivative along the stroke is the difference quotient of the part across it between the
-/// middles of its pieces (one per face, where the tangent is that of the smooth curve to second order), everything else
-/// is the closed-form basis integrated by three Gauss points per segment.
+/// or strokes, singularities and fixed directions that are empty or name faces or vertices that the mesh does not have.
+/// Non-convergence is reported. O(factorisation); the derivative along the stroke is the difference quotient of the
+/// part across it between the middles of its pieces (one per face, where the tangent is that of the smooth curve to
+/// second order), everything else is the closed-form basis integrated by three Gauss points per segment.
 [[nodiscard]] EigenDesignResult eigen_design(const ConnectedSurface& surface, const EigenControls& controls,
                                              const EigenDesignOptions& options = {});
 

@@ -23,6 +23,7 @@
 #include "alcap/connected_surface.h"
 #include "alcap/control.h"
 #include "alcap/field.h"
+#include "alcap/intrinsic.h"
 #include "alcap/mesh_repair.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
@@ -39,6 +40,23 @@ struct FieldAlignment {
   int max_steps = AlignedOptions{}.max_steps;  // of renormalising and diffusing; 0: the harmonic field alone
 };
 
+/// Which triangles of the surface a field is solved on.
+enum class Triangulation {
+  extrinsic,  ///< those of the mesh
+  /// The intrinsic Delaunay triangulation of intrinsic.h, refined to FieldRunOptions::min_angle. Not with connections
+  /// that have cones: their rotations are those of one triangulation.
+  intrinsic,
+  /// intrinsic where it pays: at least one face in a hundred has a corner below 1 degree, and the connection is global,
+  /// local or polar. Elsewhere the mesh's own.
+  automatic,
+};
+template <>
+struct NamesOf<Triangulation> {
+  static constexpr auto table = detail::name_table<Triangulation>({{Triangulation::extrinsic, "extrinsic"},
+                                                                   {Triangulation::intrinsic, "intrinsic"},
+                                                                   {Triangulation::automatic, "auto"}});
+};
+
 /// What run_field() computes, and how.
 struct FieldRunOptions {
   int n = 4;                          // cross fields are what most pipelines ask for; 1 vectors, 2 lines, 6 hexagons
@@ -51,6 +69,11 @@ struct FieldRunOptions {
   /// A field of even n along features instead of the smoothest one: aligned_field(). Its Dirichlet energy is that of s
   /// = 0.
   std::optional<FieldAlignment> align = std::nullopt;
+  Triangulation triangulation = Triangulation::automatic;  // needles cost time and digits, good triangles nothing
+  /// Of the intrinsic triangulation, radians, see IntrinsicOptions. 20 degrees are reached on every mesh. Above 0 no
+  /// circumcircle is larger than 1.5 times that of a triangle of the mean area either: on shafts of needles eigenvalues
+  /// come within 1e-3 of those of fine meshes. 0: flips alone.
+  double min_angle = 20 * pi<double> / 180;
   bool normalise = false;  // true: divide by |u| afterwards, an n-direction field
   int threads = 0;         // 0: as many as the machine has; results do not depend on it
   /// Called on the calling thread when a phase starts: "mesh", "connection", "solve", "analysis". An exception thrown
@@ -92,7 +115,7 @@ struct Certificate {
 /// Wall-clock seconds.
 struct FieldTimes {
   double mesh = 0;        ///< repairs, half-edges, topology, lengths and angles
-  double connection = 0;  ///< the connection
+  double connection = 0;  ///< the connections, and the intrinsic triangulation
   double assembly = 0;    ///< S and M
   double eigen = 0;       ///< the eigensolver, all components
   double analysis = 0;    ///< vertex frames, indices, zeros, certificate
@@ -108,14 +131,31 @@ struct FieldFeatures {
   bool followed = false;
 };
 
+/// The triangles that a field was solved on, where they are not those of the mesh.
+struct SolvedTriangulation {
+  TriangleQuality before;       ///< of the mesh
+  TriangleQuality after;        ///< of those triangles
+  std::int64_t flips = 0;       ///< edges flipped
+  Index added = 0;              ///< vertices
+  Index faces = 0;              ///< of the triangulation
+  Index barred = 0;             ///< see IntrinsicTriangulation
+  bool complete = true;         ///< see IntrinsicTriangulation
+  double seconds = 0;           ///< wall clock, without the connection
+  ConnectionReport connection;  ///< of the connection that was asked for, which is made there
+  Index singularities = 0;      ///< faces of non-zero index there; on coarse meshes those of the mesh are others
+};
+
 /// Everything a run computed. Vertices and faces are numbered as they came, unless a repair removed faces; copies of
 /// split vertices come after all others.
 struct FieldRun {
-  ConnectedSurface surface;                ///< with the connection
-  Field field;                             ///< the field
-  std::vector<EigenReport> eigen;          ///< per component, in the order of topology; empty in aligned runs
-  EigenModes modes;                        ///< FieldRunOptions::modes of them; none where that is 1
-  std::optional<FieldFeatures> features;   ///< aligned runs
+  ConnectedSurface surface;               ///< with the connection
+  Field field;                            ///< the field
+  std::vector<EigenReport> eigen;         ///< per component, in the order of topology; empty in aligned runs
+  EigenModes modes;                       ///< FieldRunOptions::modes of them; none where that is 1
+  std::optional<FieldFeatures> features;  ///< aligned runs
+  /// Runs on an intrinsic triangulation. The field is that of its vertices; `surface` has the locally optimal
+  /// connection then, in closed form, in whose frames the field is given and its indices are counted.
+  std::optional<SolvedTriangulation> triangulation;
   std::vector<Index> copies_of;            ///< see RepairedMesh
   std::vector<Index> face_of;              ///< see RepairedMesh
   std::vector<int> indices;                ///< #F, in n-ths
@@ -164,8 +204,8 @@ struct RepairedSurface {
   std::vector<Remark> remarks;   ///< one per step
 };
 
-/// repair_mesh(), and a surface of the result. Bow-ties are looked for only where the mesh is refused for them. Throws
-/// MeshError when the mesh cannot be used.
+/// repair_mesh(), and a surface of the result, mollified if that is asked for. Bow-ties are looked for only where the
+/// mesh is refused for them. Throws MeshError when the mesh cannot be used.
 [[nodiscard]] RepairedSurface repaired_surface(Positions<double> V, Faces F, const RepairOptions& options = {});
 
 /// What is worth saying about a mesh that can be used: unreferenced vertices, pieces that only touch, boundary,

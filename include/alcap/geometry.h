@@ -27,6 +27,12 @@ class Geometry {
   /// (scale_out_of_range) when a length is not within 1 / largest_length and largest_length.
   [[nodiscard]] static Geometry from_lengths(const Mesh& mesh, const VectorX<double>& lengths);
 
+  /// From measures that are known to more digits than lengths can tell them, as those of slivers: lengths (#E),
+  /// cotangents of the corners (3 #F), areas (#F). That they fit each other is up to the caller. Throws OptionError for
+  /// other sizes, MeshError (zero_area_face, scale_out_of_range) as from_lengths().
+  [[nodiscard]] static Geometry from_measures(const Mesh& mesh, VectorX<double> lengths, VectorX<double> cots,
+                                              VectorX<double> areas);
+
   /// Length of edge e.
   [[nodiscard]] double length(Index e) const { return length_[e]; }
   /// Interior angle of corner c, in (0, pi).

@@ -21,6 +21,7 @@
 //   auto lengths = alcap::read_edge_lengths("cone.txt", mesh);   // of an intrinsic surface
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -68,7 +69,10 @@ struct MeshFile {
   std::vector<Index> polygon_of;  ///< #F, number of the file's polygon; empty when all faces were triangles
   std::string format;             ///< "obj", "off", "ply" or "stl"
   std::vector<Ignored> ignored;   ///< in order of first appearance
-  std::int64_t bytes = 0;         ///< size of the file
+  /// Edges that the file lists beside its faces, such as creases, by their vertices: the segments of an OBJ's "l", the
+  /// elements "edge" of a PLY. They count as ignored, too.
+  std::vector<std::array<Index, 2>> edges;
+  std::int64_t bytes = 0;  ///< size of the file
   /// One sentence for everything about the file that is not as its format says, and how it was understood.
   std::vector<std::string> remarks;
 };

@@ -23,7 +23,10 @@ enum class Repair {
   duplicates,  ///< of faces with the same three vertices only the first stays
   split,       ///< the surface is cut along edges of more than two faces
   orient,      ///< faces are turned so that neighbours agree
-  automatic,   ///< those of the above that a surface needs, and no others
+  /// Edges are taken a little longer than they are, all by the same, so that every face has an area (Sharp and Crane
+  /// 2020). Of surfaces: repaired_surface() does it, repair_mesh() leaves it out.
+  mollify,
+  automatic,  ///< those of the first five that a surface needs, and no others
 };
 template <>
 struct NamesOf<Repair> {
@@ -32,6 +35,7 @@ struct NamesOf<Repair> {
                                                             {Repair::duplicates, "duplicates"},
                                                             {Repair::split, "split"},
                                                             {Repair::orient, "orient"},
+                                                            {Repair::mollify, "mollify"},
                                                             {Repair::automatic, "auto"}});
 };
 

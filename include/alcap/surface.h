@@ -44,6 +44,9 @@ class Surface {
   /// MeshError as Geometry::from_lengths, OptionError when V has another number of rows.
   [[nodiscard]] static Surface from_lengths(Mesh mesh, const VectorX<double>& lengths, Positions<double> V = {});
 
+  /// An intrinsic surface from measures that are made already, as Geometry::from_measures() makes them.
+  [[nodiscard]] static Surface from_geometry(Mesh mesh, Geometry geometry);
+
   /// Whether there are points.
   [[nodiscard]] bool in_space() const { return parts_->V.rows() > 0; }
   [[nodiscard]] const Positions<double>& V() const { return parts_->V; }  ///< #V x 3; empty on an intrinsic surface

@@ -65,7 +65,9 @@ Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& 
   sum_angles(mesh);
 }
 
-Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths) {
+namespace {
+
+void check_lengths(const Mesh& mesh, const VectorX<double>& lengths) {
   if (lengths.size() != mesh.edges())
     throw OptionError("lengths", std::to_string(lengths.size()) + " entries",
                       "needs one per edge of the mesh, " + std::to_string(mesh.edges()));
@@ -75,6 +77,20 @@ Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths
                           "; lengths must be within 1e-60 and 1e60, so scale the mesh",
                       Defect::scale_out_of_range, Element::edge, 1,
                       {mesh.tail(mesh.halfedge(e)), mesh.tip(mesh.halfedge(e))});
+}
+
+void check_areas(const VectorX<double>& areas) {
+  for (Index t = 0; t < areas.size(); ++t)
+    if (!(areas[t] > double(0)))
+      throw MeshError("face " + std::to_string(t) +
+                          " has edge lengths that make no triangle; every two sides must be longer than the third",
+                      Defect::zero_area_face, Element::face, 1, {t});
+}
+
+}  // namespace
+
+Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths) {
+  check_lengths(mesh, lengths);
   Geometry g;
   g.length_ = lengths;
   g.angle_.resize(mesh.halfedges());
@@ -98,11 +114,27 @@ Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths
       g.cot_[3 * t + k] = dot / twice_area;
     }
   });
-  for (Index t = 0; t < mesh.faces(); ++t)
-    if (!(g.area_[t] > double(0)))
-      throw MeshError("face " + std::to_string(t) +
-                          " has edge lengths that make no triangle; every two sides must be longer than the third",
-                      Defect::zero_area_face, Element::face, 1, {t});
+  check_areas(g.area_);
+  g.sum_angles(mesh);
+  return g;
+}
+
+Geometry Geometry::from_measures(const Mesh& mesh, VectorX<double> lengths, VectorX<double> cots,
+                                 VectorX<double> areas) {
+  check_lengths(mesh, lengths);
+  if (cots.size() != mesh.halfedges())
+    throw OptionError("cots", std::to_string(cots.size()) + " entries",
+                      "needs one per corner of the mesh, " + std::to_string(mesh.halfedges()));
+  if (areas.size() != mesh.faces())
+    throw OptionError("areas", std::to_string(areas.size()) + " entries",
+                      "needs one per face of the mesh, " + std::to_string(mesh.faces()));
+  check_areas(areas);
+  Geometry g;
+  g.length_ = std::move(lengths);
+  g.cot_ = std::move(cots);
+  g.area_ = std::move(areas);
+  g.angle_.resize(mesh.halfedges());
+  parallel_for(mesh.halfedges(), [&](std::int64_t c) { g.angle_[c] = std::atan2(1.0, g.cot_[c]); });
   g.sum_angles(mesh);
   return g;
 }

@@ -40,6 +40,19 @@ Surface Surface::from_lengths(Mesh mesh, const VectorX<double>& lengths, Positio
   return surface;
 }
 
+Surface Surface::from_geometry(Mesh mesh, Geometry geometry) {
+  if (geometry.lengths().size() != mesh.edges())
+    throw OptionError("geometry", std::to_string(geometry.lengths().size()) + " edges",
+                      "is not of this mesh, which has " + std::to_string(mesh.edges()));
+  auto parts = std::make_shared<Parts>();
+  parts->mesh = std::move(mesh);
+  parts->topology = find_topology(parts->mesh);
+  parts->geometry = std::move(geometry);
+  Surface surface;
+  surface.parts_ = std::move(parts);
+  return surface;
+}
+
 const Positions<double>& Surface::positions() const {
   if (!in_space()) throw OptionError("surface", "edge lengths alone", "needs positions in space");
   return V();

@@ -10,6 +10,7 @@
 #include "alcap/alignment.h"
 #include "alcap/cones.h"
 #include "alcap/eigen_design.h"
+#include "alcap/strokes.h"
 #include "src/base/array.h"
 #include "src/base/clock.h"
 #include "src/base/numbers.h"
@@ -243,23 +244,69 @@ bool DesignStages::fill_pieces(const std::vector<DesignControl>& controls, Desig
   return pieces_converged_;
 }
 
-bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
-                               DesignRun& run) {
+namespace {
+
+/// The controls of an eigen design; the boundary as a stroke along every loop, after the strokes.
+EigenControls eigen_controls(const ConnectedSurface& surface, const std::vector<DesignControl>& controls) {
   EigenControls asked;
   for (const DesignControl& c : controls) {
     if (const auto* target = std::get_if<SingularityTarget>(&c.control)) asked.singularities.push_back(*target);
+    if (const auto* fixed = std::get_if<VertexConstraint>(&c.control)) asked.fixed.push_back(*fixed);
     if (const auto* stroke = std::get_if<Stroke>(&c.control))
       asked.strokes.push_back({.line = stroke->line, .weight = stroke->weight});
   }
+  for (const DesignControl& c : controls) {
+    const auto* const boundary = std::get_if<BoundaryAlignment>(&c.control);
+    if (boundary == nullptr) continue;
+    const std::vector<Loop>& loops = surface.topology().loops;
+    if (loops.empty()) throw OptionError("/boundary", "none", "this mesh has no boundary to align with");
+    for (const Loop& loop : loops) {
+      std::vector<Index> vertices;
+      for (const Index h : loop.halfedges) vertices.push_back(surface.mesh().tail(h));
+      vertices.push_back(vertices.front());
+      asked.strokes.push_back(
+          {.line = stroke_along_vertices(surface, vertices), .weight = boundary->weight, .across = boundary->normal});
+    }
+  }
+  return asked;
+}
+
+/// In the order of controls: singularities, fixed vertices, strokes, and the boundary, whose loops are the last
+/// strokes.
+std::vector<ControlReport> eigen_reports(const std::vector<DesignControl>& controls, const EigenControls& asked,
+                                         const EigenDesignResult& result) {
+  std::vector<ControlReport> reports = result.singularities;
+  reports.insert(reports.end(), result.fixed.begin(), result.fixed.end());
+  std::size_t k = 0;
+  for (const DesignControl& c : controls) {
+    if (std::holds_alternative<Stroke>(c.control)) {
+      const EigenStrokeReport& stroke = result.strokes[k++];
+      reports.push_back({.met = stroke.met, .error_degrees = stroke.mean_degrees});
+    } else if (std::holds_alternative<BoundaryAlignment>(c.control)) {
+      double degrees = 0, length = 0;
+      for (; k < asked.strokes.size(); ++k) {
+        degrees += asked.strokes[k].line.length() * result.strokes[k].mean_degrees;
+        length += asked.strokes[k].line.length();
+      }
+      degrees /= length;
+      reports.push_back({.met = degrees <= stroke_met_degrees, .error_degrees = degrees});
+    }
+  }
+  return reports;
+}
+
+}  // namespace
+
+bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
+                               DesignRun& run) {
+  const EigenControls asked = eigen_controls(connected_, controls);
   say("solve");
   EigenDesignResult result =
       eigen_design(connected_, asked, {.n = run.design.n, .s = run.design.s, .eigen = {.solver = options_.solver}});
   run.times.prepare = result.assembly_seconds;
   run.times.solve = result.eigen_seconds;
+  reports = eigen_reports(controls, asked, result);
   run.field = std::move(result.field);
-  reports = std::move(result.singularities);
-  for (const EigenStrokeReport& stroke : result.strokes)
-    reports.push_back({.met = stroke.met, .error_degrees = stroke.mean_degrees});
   bool converged = true;
   for (const EigenReport& e : result.components) {
     converged = converged && e.converged;
@@ -267,6 +314,25 @@ bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::
     run.solver = e.solver;
   }
   run.eigen = std::move(result.components);
+  return converged;
+}
+
+bool DesignStages::solve_guided(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
+                                DesignRun& run) {
+  const Stopwatch watch;
+  const bool lone = controls.empty() && run.design.guidance.source == Source::none;
+  say("guidance");
+  guide(run.design, lone ? Source::smoothest : run.design.guidance.source);
+  run.guidance = guidance_.u;
+  run.guidance_scale = guidance_.scale;
+  run.times.guidance = watch.seconds();
+  if (lone) {
+    run.field = {.n = run.design.n, .u = *guidance_.u, .frames = connected_.frames()};
+    return guidance_.converged;
+  }
+  bool converged = solve_variational(controls, reports, run);
+  converged = fill_pieces(controls, run) && converged && guidance_.converged;
+  remark_vanishing(options_.residual, run);
   return converged;
 }
 
@@ -283,26 +349,15 @@ DesignRun DesignStages::solve(const DesignFile& design) {
   const std::vector<DesignControl> controls = design_controls(run.design, connected_);
   run.times.connection = watch.lap();
 
-  const bool variational = run.design.method == DesignMethod::variational;
-  const bool lone = variational && controls.empty() && run.design.guidance.source == Source::none;
-  bool converged = true;
   std::vector<ControlReport> reports;
-  if (variational) {
-    say("guidance");
-    guide(run.design, lone ? Source::smoothest : run.design.guidance.source);
-    run.guidance = guidance_.u;
-    run.guidance_scale = guidance_.scale;
-    converged = guidance_.converged;
-    run.times.guidance = watch.lap();
-  }
-  if (lone)
-    run.field = {.n = run.design.n, .u = *guidance_.u, .frames = connected_.frames()};
-  else
-    converged =
-        (variational ? solve_variational(controls, reports, run) : solve_eigen(controls, reports, run)) && converged;
-  if (variational && !lone) {
-    converged = fill_pieces(controls, run) && converged;
-    remark_vanishing(options_.residual, run);
+  bool converged = true;
+  if (follows_boundary_alone(run.design, controls)) {
+    say("solve");
+    converged = solve_along_boundary(connected_, options_, controls, reports, run);
+  } else if (run.design.method == DesignMethod::variational) {
+    converged = solve_guided(controls, reports, run);
+  } else {
+    converged = solve_eigen(controls, reports, run);
   }
 
   watch.lap();

@@ -50,6 +50,8 @@ class DesignStages {
   /// Fills field, reports of the controls, and what the solve did; returns whether every eigenproblem converged.
   bool solve_variational(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
                          DesignRun& run);
+  /// A variational design: its guidance, then the field; the guidance itself where nothing else is asked for.
+  bool solve_guided(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports, DesignRun& run);
   /// Gives the components that no control and no guidance touches their smoothest field. Returns whether every
   /// eigenproblem converged.
   bool fill_pieces(const std::vector<DesignControl>& controls, DesignRun& run);
@@ -72,6 +74,15 @@ class DesignStages {
   bool pieces_converged_ = true;
   std::vector<Held> held_;
 };
+
+/// Whether a design asks for directions along the boundary and at vertices, and for nothing else.
+[[nodiscard]] bool follows_boundary_alone(const DesignFile& placed, const std::vector<DesignControl>& controls);
+
+/// Such a design as an aligned field: fills field, reports and what the solve did; returns whether every eigenproblem
+/// converged. Throws OptionError where there is no boundary.
+[[nodiscard]] bool solve_along_boundary(const ConnectedSurface& surface, const DesignRunOptions& options,
+                                        const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
+                                        DesignRun& run);
 
 /// What became of the controls and cones, in the order of the design. `reports` are those of `controls`.
 [[nodiscard]] std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<DesignControl>& controls,

@@ -66,24 +66,30 @@ void remark_unmet(const FieldFeatures& features, const Certificate& certificate,
 
 }  // namespace
 
-void solve_aligned(const FieldRunOptions& options, FieldRun& run) {
-  Stopwatch watch;
+FeatureGraph features_of(const FieldRunOptions& options, const Surface& surface) {
   const FieldAlignment& align = *options.align;
   if (options.n % 2 != 0)
     throw OptionError("n", options.n, "must be even for alignment: a feature has no sense of direction");
   if (options.s != 0) throw OptionError("s", options.s, "must be 0 for alignment, which uses the Dirichlet energy");
   if (options.modes > 1)
     throw OptionError("modes", options.modes, "must be 1 for alignment, which solves for one field");
+  return align.edges.empty() ? sharp_edges(surface, align.features)
+                             : feature_graph(surface, edges_between(surface, align.edges), align.features.corner_angle);
+}
+
+void solve_aligned(const FieldRunOptions& options, const ConnectedSurface& surface, FeatureGraph graph, double coarser,
+                   FieldRun& run) {
+  Stopwatch watch;
+  const FieldAlignment& align = *options.align;
   FieldFeatures& features = run.features.emplace();
-  features.graph = align.edges.empty() ? sharp_edges(run.surface, align.features)
-                                       : feature_graph(run.surface, edges_between(run.surface, align.edges),
-                                                       align.features.corner_angle);
-  AlignedResult result = aligned_field(run.surface, features.graph,
+  features.graph = std::move(graph);
+  AlignedResult result = aligned_field(surface, features.graph,
                                        {.n = options.n,
                                         .across = align.across,
                                         .weight = align.weight,
                                         .linear = align.max_steps == 0,
                                         .max_steps = align.max_steps,
+                                        .finest = coarser * AlignedOptions{}.finest,
                                         .eigen = options.eigen});
   run.field = std::move(result.field);
   features.pieces = std::move(result.pieces);

@@ -7,8 +7,13 @@
 
 namespace alcap::detail {
 
-/// The features and the field; its times and, of pieces without features, nothing in run.eigen. Throws OptionError.
-void solve_aligned(const FieldRunOptions& options, FieldRun& run);
+/// The features that are asked for. Throws OptionError, also for options that do not go with alignment.
+[[nodiscard]] FeatureGraph features_of(const FieldRunOptions& options, const Surface& surface);
+
+/// The field along `graph` on `surface`; its times and, of pieces without features, nothing in run.eigen. `coarser`:
+/// how many times larger triangles its zeros need to be told apart by. Throws OptionError.
+void solve_aligned(const FieldRunOptions& options, const ConnectedSurface& surface, FeatureGraph graph, double coarser,
+                   FieldRun& run);
 
 /// Deviations, what the certificate says of them, and remarks, when indices and singularities are known.
 void judge_aligned(const FieldRunOptions& options, FieldRun& run);

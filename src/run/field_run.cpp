@@ -14,6 +14,7 @@
 #include "src/base/parallel.h"
 #include "src/mesh/near_vertices.h"
 #include "src/run/field_aligned.h"
+#include "src/run/field_intrinsic.h"
 #include "src/run/remarks.h"
 
 namespace alcap {
@@ -154,7 +155,7 @@ void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vect
 void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
   if (run.connection().flat && !run.connection().admits_parallel(options.n))
     remarks.push_back(detail::not_parallel(options.n));
-  const ConnectionReport& connection = run.connection().report;
+  const ConnectionReport& connection = run.triangulation ? run.triangulation->connection : run.connection().report;
   if (!connection.converged) {
     remarks.push_back({.code = "connection_not_converged",
                        .message = "the connection did not reach its tolerance" +
@@ -187,7 +188,8 @@ Smallest least_known(const std::vector<EigenReport>& reports) {
 
 Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   Certificate certificate;
-  certificate.connection_converged = run.connection().report.converged;
+  certificate.connection_converged =
+      run.connection().report.converged && (!run.triangulation || run.triangulation->connection.converged);
   certificate.eigen_converged =
       std::all_of(run.eigen.begin(), run.eigen.end(), [](const EigenReport& e) { return e.converged; });
   certificate.residual_small = std::all_of(run.eigen.begin(), run.eigen.end(),
@@ -207,6 +209,28 @@ void say(const FieldRunOptions& options, const char* phase) {
   detail::report_phase(phase);
 }
 
+/// Connection and field, on the triangles of the mesh.
+void solve_on_mesh(const FieldRunOptions& options, const Surface& surface, FieldRun& run) {
+  detail::Stopwatch watch;
+  ConnectionOptions connection = options.connection;
+  connection.n = options.n;
+  run.surface = connect(surface, connection);
+  run.times.connection = watch.lap();
+
+  say(options, "solve");
+  if (options.align) {
+    detail::solve_aligned(options, run.surface, detail::features_of(options, run.surface), 1, run);
+    return;
+  }
+  const SmoothestOptions smooth{.n = options.n, .s = options.s, .eigen = options.eigen};
+  SmoothestResult result = smoothest_field(run.surface, smooth);
+  run.field = std::move(result.field);
+  run.eigen = std::move(result.components);
+  if (options.modes > 1) run.modes = smoothest_modes(run.surface, options.modes, smooth);
+  run.times.assembly = result.assembly_seconds;
+  run.times.eigen = result.eigen_seconds + run.modes.seconds;
+}
+
 /// Everything after the mesh.
 void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& watch, const Surface& surface) {
   for (Remark& remark : mesh_remarks(surface)) {
@@ -216,24 +240,13 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.times.mesh = watch.lap();
 
   say(options, "connection");
-  ConnectionOptions connection = options.connection;
-  connection.n = options.n;
-  run.surface = connect(surface, connection);
-  run.times.connection = watch.lap();
-
-  say(options, "solve");
-  if (options.align) {
-    detail::solve_aligned(options, run);
+  if (detail::wants_intrinsic(surface, options)) {
+    run.times.connection = detail::solve_on_intrinsic(options, surface, run);
   } else {
-    SmoothestResult result = smoothest_field(run.surface, {.n = options.n, .s = options.s, .eigen = options.eigen});
-    run.field = std::move(result.field);
-    run.eigen = std::move(result.components);
-    if (options.modes > 1)
-      run.modes = smoothest_modes(run.surface, options.modes, {.n = options.n, .s = options.s, .eigen = options.eigen});
-    run.times.assembly = result.assembly_seconds;
-    run.times.eigen = result.eigen_seconds + run.modes.seconds;
+    solve_on_mesh(options, surface, run);
   }
-  const double frames = std::max(0.0, watch.lap() - run.times.assembly - run.times.eigen);
+  const double solved = run.times.connection + run.times.assembly + run.times.eigen;
+  const double frames = std::max(0.0, watch.lap() - solved);
 
   say(options, "analysis");
   run.indices = face_indices(run.surface, run.field);
@@ -241,6 +254,7 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.singularities = find_singularities(run.surface, run.field, run.indices);
   run.certificate = certify(run, options);
   if (run.features) detail::judge_aligned(options, run);
+  if (run.triangulation) detail::remark_triangulation(run);
   remark_outcome(run, options, run.remarks);
   if (options.normalise) run.field = normalised(std::move(run.field));
   run.times.analysis = frames + watch.lap();

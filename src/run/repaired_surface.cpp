@@ -1,12 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
 // repaired_surface.cpp: points and triangles, repaired as asked, as a surface.
+#include <algorithm>
 #include <utility>
 
 #include "alcap/field_run.h"
+#include "alcap/mesh_check.h"
+#include "src/base/numbers.h"
+#include "src/base/parallel.h"
 
 namespace alcap {
 namespace {
+
+using detail::counted;
+using detail::number_text;
 
 void keep(RepairedMesh&& mesh, RepairedSurface& out) {
   for (RepairStep& step : mesh.steps)
@@ -17,6 +24,47 @@ void keep(RepairedMesh&& mesh, RepairedSurface& out) {
                            .first = std::move(step.first)});
   out.copies_of = std::move(mesh.copies_of);
   out.face_of = std::move(mesh.face_of);
+}
+
+// In a mollified surface any two sides are longer than the third by at least this part of the mean edge (Sharp and
+// Crane 2020, Sec. 4.5, who take the same).
+constexpr double mollify_margin = 1e-5;
+
+/// The surface whose edges are as long as they are in space, plus the least length that gives every face this margin.
+Surface mollified(Positions<double> V, Mesh mesh, RepairedSurface& out) {
+  for (const DefectReport& defect : find_defects(V, mesh.F()))
+    if (defect.defect != Defect::zero_area_face && defect.defect != Defect::zero_length_edge) throw_defect(defect);
+  VectorX<double> lengths(mesh.edges());
+  parallel_for(mesh.edges(), [&](std::int64_t e) {
+    const Index h = mesh.halfedge(static_cast<Index>(e));
+    lengths[e] = (V.row(mesh.tip(h)) - V.row(mesh.tail(h))).stableNorm();
+  });
+  const double margin =
+      mollify_margin * parallel_sum<double>(mesh.edges(), [&](std::int64_t e) { return lengths[e]; }) / mesh.edges();
+  const auto lacks = [&](Index h) {
+    const double side = lengths[mesh.edge(h)];
+    return margin + side - lengths[mesh.edge(Mesh::next(h))] - lengths[mesh.edge(Mesh::prev(h))];
+  };
+  const double longer = parallel_reduce(
+      mesh.halfedges(), 0.0,
+      [&](std::int64_t begin, std::int64_t end) {
+        double most = 0;
+        for (std::int64_t h = begin; h < end; ++h) most = std::max(most, lacks(static_cast<Index>(h)));
+        return most;
+      },
+      [](double a, double b) { return std::max(a, b); });
+  if (!(longer > 0)) return Surface::from_mesh(std::move(V), std::move(mesh));
+  Remark remark{.code = "mollified", .warning = false};
+  for (Index t = 0; t < mesh.faces(); ++t) {
+    if (!(std::max({lacks(3 * t), lacks(3 * t + 1), lacks(3 * t + 2)}) > 0)) continue;
+    if (remark.count++ < 8) remark.first.push_back(t);
+  }
+  remark.message = "every edge was taken longer by " + number_text(longer) + ", so that " +
+                   counted(remark.count, "face has", "faces have") + " an area; the mean edge is " +
+                   number_text(margin / mollify_margin) + " long";
+  out.remarks.push_back(std::move(remark));
+  lengths.array() += longer;
+  return Surface::from_lengths(std::move(mesh), lengths, std::move(V));
 }
 
 }  // namespace
@@ -50,7 +98,9 @@ RepairedSurface repaired_surface(Positions<double> V, Faces F, const RepairOptio
     out.face_of = faces;
     mesh = Mesh(std::move(F), V.rows());
   }
-  out.surface = Surface::from_mesh(std::move(V), std::move(mesh));
+  const bool mollify = std::find(now.repairs.begin(), now.repairs.end(), Repair::mollify) != now.repairs.end();
+  out.surface =
+      mollify ? mollified(std::move(V), std::move(mesh), out) : Surface::from_mesh(std::move(V), std::move(mesh));
   return out;
 }
 

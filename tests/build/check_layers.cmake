@@ -15,7 +15,7 @@ set(layers
   "solvers/multigrid       |"
   "solvers/eigenpair       |"
   "solvers/petsc           | petsc"
-  "src/mesh                | mesh_check mesh mesh_repair arrays generators topology geometry surface surface_path shortest_path sharp_edges"
+  "src/mesh                | mesh_check mesh mesh_repair arrays generators topology geometry surface surface_path shortest_path sharp_edges intrinsic"
   "src/io/mesh             | mesh_io"
   "src/io/matrix           | matrix_file"
   "src/connection          | connection cones frames connected_surface transport"

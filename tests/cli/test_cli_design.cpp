@@ -268,7 +268,7 @@ TEST_CASE("wrong flags, designs and meshes: exit code, and a message that names 
                           {"design s.ply -n 2 --align-curvature 5", 2, "must be below lambda_1"},
                           {"design s.ply -n 3 --align-curvature 0", 2, "n must be even"},
                           {"design s.ply --align-boundary", 2, "/boundary"},
-                          {"design s.ply --method eigen --fix 1:0", 2, "/fixed"},
+                          {"design s.ply --method eigen --guidance zero:1 --fix 1:0", 2, "/guidance"},
                           {"design s.ply --source 1 --cones balanced", 2, "--cones"},
                           {"design s.ply --stroke missing.txt", 3, "missing.txt"},
                           {"design s.ply --stroke one.txt", 3, "one.txt: stroke 0 has one point"},

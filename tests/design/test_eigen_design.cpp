@@ -320,3 +320,47 @@ TEST_CASE("strokes and singularities together, on the connection of the surface 
     CHECK(result.singularities[0].met);
   }
 }
+
+TEST_CASE("fixed directions in the eigenproblem: met, by both ways of solving, with one sign") {
+  for (const MeshData& surface : {bumpy_sphere(3, 0.1, 2.3), torus(30, 16, 1, 0.4)}) {
+    const Case s(surface);
+    const Index last = s.mesh.vertices();
+    for (const int n : {1, 2, 4}) {
+      CAPTURE(n);
+      const std::vector<VertexConstraint> fixed = {{.vertex = 5, .value = std::polar(3.0, 0.4)},
+                                                   {.vertex = last / 2, .value = std::polar(1.0, -1.3)},
+                                                   {.vertex = last - 7, .value = std::polar(0.1, 2.9)}};
+      const auto low = eigen_design(s.connected(), {.fixed = fixed}, {.n = n, .path = EigenPath::low_rank});
+      const auto real = eigen_design(s.connected(), {.fixed = fixed}, {.n = n, .path = EigenPath::real_view});
+      CHECK(low.components[0].converged);
+      REQUIRE(low.fixed.size() == 3);
+      for (std::size_t k = 0; k < 3; ++k) {
+        CHECK(low.fixed[k].met);
+        const Complex<double> u = low.field.u[fixed[k].vertex];
+        CHECK(std::abs(std::arg(u * std::conj(fixed[k].value))) < 0.02);
+      }
+      CHECK((low.field.u - real.field.u).norm() < 1e-6 * real.field.u.norm());
+      // Lengths of the values do not matter.
+      auto longer = fixed;
+      for (VertexConstraint& f : longer) f.value *= 7.0;
+      const auto same = eigen_design(s.connected(), {.fixed = longer}, {.n = n, .path = EigenPath::low_rank});
+      CHECK((low.field.u - same.field.u).norm() < 1e-6 * low.field.u.norm());
+    }
+    CHECK_THROWS_AS((void)eigen_design(s.connected(), {.fixed = {{.vertex = -1}}}, {.n = 1}), OptionError);
+    CHECK_THROWS_AS((void)eigen_design(s.connected(), {.fixed = {{.vertex = 1, .value = 0}}}, {.n = 1}), OptionError);
+  }
+}
+
+TEST_CASE("across a stroke is along it after a quarter turn") {
+  const Case s(torus(30, 16, 1, 0.4));
+  const SurfacePolyline line = s.stroke(great_circle, 30, 1.1);
+  for (const int n : {1, 2}) {
+    const auto across = eigen_design(s.connected(), {.strokes = {{.line = line, .across = true}}}, {.n = n});
+    const auto along = eigen_design(s.connected(), {.strokes = {{.line = line}}}, {.n = n});
+    CHECK(across.strokes[0].met);
+    // The quarter turn changes nothing else: the same energy, the field turned by n quarters.
+    CHECK(across.components[0].lambda == doctest::Approx(along.components[0].lambda).epsilon(1e-7));
+    const Complex<double> turn = n == 1 ? Complex<double>(0, 1) : Complex<double>(-1, 0);
+    CHECK((across.field.u - turn * along.field.u).norm() < 1e-4 * along.field.u.norm());
+  }
+}

@@ -100,6 +100,7 @@ std::string summary(const FieldOptions& options, const Json& report) {
   line("connection",
        fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
                    short_text(connection["D_T"]), short_text(connection["D_E"]), count(connection["iterations"])));
+  if (report.contains("triangulation")) text += triangulation_summary(report["triangulation"]);
   if (report.contains("alignment")) text += alignment_summary(report["alignment"], n);
   if (!eigen.is_null()) {
     const std::string next = eigen["next"].is_null() ? "" : fmt::format(" (next {})", short_text(eigen["next"]));
@@ -134,6 +135,20 @@ FieldRun run_on(FieldOptions& options, MeshFile& file) {
   FieldRun run = run_field(surface, without_repairs);
   run.remarks.insert(run.remarks.begin(), remarks.begin(), remarks.end());
   return run;
+}
+
+/// The edges that a .sharp file lists, or the lines or edges of a mesh file with the same vertices.
+std::vector<std::array<Index, 2>> read_features(const MeshFile& mesh, const std::filesystem::path& path) {
+  if (path.extension() == ".sharp") return read_sharp(mesh.F, path);
+  const MeshFile other = read_mesh(path);
+  if (other.V.rows() != mesh.V.rows())
+    throw FileError(fmt::format("{}: has {} vertices, and the mesh {}; edges of features are named by them",
+                                path.string(), other.V.rows(), mesh.V.rows()),
+                    path.string());
+  if (other.edges.empty())
+    throw FileError(path.string() + ": lists no edges; an OBJ has them as \"l\", a PLY as elements \"edge\"",
+                    path.string());
+  return other.edges;
 }
 
 /// mode-1.EXT ... for every format asked for, numbered as in the report; the names of the files.
@@ -194,7 +209,7 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   times.read = total.seconds();
 
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
-  if (!options.features.empty()) options.run.align->edges = read_sharp(file.F, options.features);
+  if (!options.features.empty()) options.run.align->edges = read_features(file, options.features);
   const FieldRun result = run_on(options, file);
 
   const FieldOutput output = output_of(result, options.run.normalise);
@@ -274,8 +289,10 @@ void add_alignment_options(cli::App& app, FieldOptions& options) {
            (void)align();
            options.features = file;
          },
-         "The same along the edges that a .sharp file lists")
-      ->type_name("FILE.sharp")
+         "The same along the edges that a .sharp file lists, or the lines (l) of an OBJ or edges of a PLY with the "
+         "same "
+         "vertices, which may be MESH")
+      ->type_name("FILE")
       ->group("Alignment");
   app.add_flag_function(
          "--align-across", [align](std::int64_t) { align().across = true; }, "Across those edges, not along them")
@@ -286,6 +303,24 @@ void add_alignment_options(cli::App& app, FieldOptions& options) {
       ->type_name("X")
       ->check(cli::PositiveNumber)
       ->group("Alignment");
+}
+
+void add_triangulation_options(cli::App& app, FieldRunOptions& run) {
+  app.add_option_function<std::string>(
+         "--triangulation", [&run](const std::string& name) { run.triangulation = *from_name<Triangulation>(name); },
+         "Which triangles it is solved on: those of the mesh (extrinsic), better ones of the same surface (intrinsic), "
+         "or the better ones where one face in a hundred has a corner below 1 degree (auto)")
+      ->type_name("KIND")
+      ->default_str("auto")
+      ->check(cli::IsMember({"auto", "intrinsic", "extrinsic"}))
+      ->group("Solver");
+  app.add_option_function<double>(
+         "--min-angle", [&run](double degrees) { run.min_angle = degrees * pi<double> / 180; },
+         "Corners of the better triangles, at least, in degrees; 0 adds no vertices to them")
+      ->type_name("DEGREES")
+      ->default_str("20")
+      ->check(cli::Range(0.0, 30.0))
+      ->group("Solver");
 }
 
 std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
@@ -311,6 +346,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
   add_alignment_options(app, *options);
+  add_triangulation_options(app, options->run);
   add_show_options(app, options->show);
   add_sizing_options(app, options->sizing);
   app.add_option(

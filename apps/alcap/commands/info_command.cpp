@@ -38,11 +38,15 @@ std::vector<DefectReport> all_defects(const Positions<double>& V, const Faces& F
 std::vector<std::string> helpful_repairs(const Positions<double>& V, const Faces& F) {
   const std::vector<std::vector<Repair>> choices = {
       {Repair::orient}, {Repair::duplicates},           {Repair::degenerate}, {Repair::split},
-      {Repair::weld},   {Repair::weld, Repair::orient}, {Repair::automatic}};
+      {Repair::weld},   {Repair::weld, Repair::orient}, {Repair::automatic},  {Repair::mollify}};
   for (const std::vector<Repair>& repairs : choices) {
     try {
-      const RepairedMesh mesh = repair_mesh(V, F, {.repairs = repairs});
-      if (!all_defects(mesh.V, mesh.F).empty()) continue;
+      if (repairs.front() == Repair::mollify) {
+        (void)repaired_surface(V, F, {.repairs = repairs});
+      } else {
+        const RepairedMesh mesh = repair_mesh(V, F, {.repairs = repairs});
+        if (!all_defects(mesh.V, mesh.F).empty()) continue;
+      }
       std::vector<std::string> names;
       for (const Repair r : repairs) names.emplace_back(name(r));
       return names;
@@ -50,6 +54,10 @@ std::vector<std::string> helpful_repairs(const Positions<double>& V, const Faces
     }
   }
   return {};
+}
+
+bool asked(const RepairOptions& options, Repair repair) {
+  return std::find(options.repairs.begin(), options.repairs.end(), repair) != options.repairs.end();
 }
 
 /// Counts and ranges under the same keys as in the report of `alcap field`; what needs a manifold is null without one.
@@ -175,12 +183,19 @@ Outcome run(const MeshChoice& choice, const Common& common, Progress& progress) 
   const Positions<double>& V = repaired.V;
   const Faces& F = repaired.F;
   const std::vector<DefectReport> topological = find_defects(F, V.rows());
-  const std::vector<DefectReport> geometric = find_defects(V, F);
+  std::vector<DefectReport> geometric = find_defects(V, F);
+  std::optional<Surface> mollified;
+  if (topological.empty() && asked(choice.repair, Repair::mollify)) {
+    RepairedSurface made = repaired_surface(V, F, {.repairs = {Repair::mollify}});
+    for (Remark& r : made.remarks) remarks.push_back(std::move(r));
+    mollified = std::move(made.surface);
+    geometric.clear();
+  }
   std::optional<Mesh> mesh;
   std::optional<Topology> topology;
   if (topological.empty()) {
     if (geometric.empty()) {
-      const Surface surface(V, F);
+      const Surface surface = mollified ? *mollified : Surface(V, F);
       mesh = surface.mesh();
       topology = surface.topology();
       for (Remark& r : mesh_remarks(surface)) remarks.push_back(std::move(r));

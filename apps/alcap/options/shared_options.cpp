@@ -80,7 +80,9 @@ void add_mesh_options(cli::App& app, MeshChoice& choice) {
          },
          "weld: join vertices at the same position, weld:X: within X diagonals of the mesh; degenerate: remove or flip "
          "faces without area; duplicates: remove faces given twice; split: cut along edges of more than two faces; "
-         "orient: turn faces so that neighbours agree; auto: what is needed. Repeat it; vertices keep their numbers")
+         "orient: turn faces so that neighbours agree; auto: what is needed of these; mollify: take edges a little "
+         "longer, so "
+         "that every face has an area. Repeat it; vertices keep their numbers")
       ->type_name("REPAIR")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -112,6 +114,10 @@ Surface make_surface(const MeshChoice& choice, MeshFile& file, std::vector<Remar
     remarks.insert(remarks.end(), repaired.remarks.begin(), repaired.remarks.end());
     return std::move(repaired.surface);
   }
+  const std::vector<Repair>& asked = choice.repair.repairs;
+  if (std::find(asked.begin(), asked.end(), Repair::mollify) != asked.end())
+    throw Failure(Exit::usage, "--repair mollify changes the lengths that --lengths gives; give one or the other",
+                  {{"option", "--repair"}});
   RepairedMesh repaired = repair_mesh(std::move(file.V), std::move(file.F), choice.repair);
   add_remarks(repaired.steps, remarks);
   Mesh mesh(std::move(repaired.F), repaired.V.rows());

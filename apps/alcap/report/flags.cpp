@@ -17,6 +17,7 @@ constexpr auto words = std::to_array<Row>({
     {"Repair::split", "--repair split"},
     {"Repair::automatic", "--repair auto"},
     {"Repair::orient", "--repair orient"},
+    {"Repair::mollify", "--repair mollify"},
     {"repair_weld()", "--repair weld"},
     {"repair_orientation()", "--repair orient"},
     {"EigenOptions::solver", "--solver"},
@@ -44,6 +45,8 @@ constexpr auto fields = std::to_array<Row>({
     {"format", "--input-format"},
     {"threads", "--threads"},
     {"jobs", "--jobs"},
+    {"triangulation", "--triangulation"},
+    {"min_angle", "--min-angle"},
 });
 
 }  // namespace

@@ -174,6 +174,35 @@ Json alignment_json(const FieldRun& run, const FieldAlignment& align) {
           {"pieces", std::move(pieces)}};
 }
 
+Json quality_json(const TriangleQuality& quality) {
+  return {{"angle_min_degrees", number(quality.angle_min * 180 / pi<double>)},
+          {"angle_max_degrees", number(quality.angle_max * 180 / pi<double>)},
+          {"cotangent_min", number(quality.cotangent_min)},
+          {"not_delaunay", quality.not_delaunay},
+          {"slivers", quality.slivers}};
+}
+
+/// The triangles that it was solved on, where they are not those of the mesh.
+Json triangulation_json(const SolvedTriangulation& t, const ConnectionOptions& options) {
+  return {{"before", quality_json(t.before)},
+          {"after", quality_json(t.after)},
+          {"flips", t.flips},
+          {"added_vertices", t.added},
+          {"faces", t.faces},
+          {"barred", t.barred},
+          {"complete", t.complete},
+          {"singularities", t.singularities},
+          {"seconds", number(t.seconds)},
+          {"connection",
+           {{"kind", name(ConnectionChoice{options.kind, options.polar.center})},
+            {"D_T", number(t.connection.D_T)},
+            {"D_E", number(t.connection.D_E)},
+            {"iterations", t.connection.iterations},
+            {"residual", number(t.connection.residual)},
+            {"converged", t.connection.converged},
+            {"message", in_flags(t.connection.message)}}}};
+}
+
 Json components_json(const FieldRun& run) {
   const auto& parts = run.topology().components;
   std::vector<double> area(parts.size(), 0.0);
@@ -232,6 +261,8 @@ Json options_json(const FieldRunOptions& options) {
           {"solver", options.eigen.solver},
           {"method", options.eigen.method},
           {"prove", name(options.eigen.prove_smallest)},
+          {"triangulation", name(options.triangulation)},
+          {"min_angle_degrees", number(options.min_angle * 180 / pi<double>)},
           {"modes", options.modes},
           {"repairs", std::move(repairs)},
           {"unit", options.normalise}};
@@ -424,7 +455,10 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   report["input"] = input_json(path, file);
   report["options"] = options_json(options);
   report["mesh"] = mesh_json(run.surface);
-  report["connection"] = connection_json(run.surface, options.connection);
+  ConnectionOptions connection = options.connection;
+  if (run.triangulation) connection.kind = run.connection().kind;
+  report["connection"] = connection_json(run.surface, connection);
+  if (run.triangulation) report["triangulation"] = triangulation_json(*run.triangulation, options.connection);
   report["eigen"] = eigen_summary(run, options);
   if (options.modes > 1) report["modes"] = modes_json(run.modes);
   report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
@@ -449,6 +483,17 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
 
 std::string summary_line(std::string_view label, const std::string& value) {
   return fmt::format("{:<14}{}\n", label, value);
+}
+
+std::string triangulation_summary(const Json& t) {
+  return summary_line(
+      "triangles",
+      fmt::format("solved on intrinsic ones: {} flips, {} vertices added, smallest angle {} "
+                  "degrees instead of {}; connection {}, {} iterations",
+                  grouped(t["flips"].get<std::int64_t>()), grouped(t["added_vertices"].get<std::int64_t>()),
+                  short_text(t["after"]["angle_min_degrees"]), short_text(t["before"]["angle_min_degrees"]),
+                  t["connection"]["kind"].get<std::string>(),
+                  grouped(t["connection"]["iterations"].get<std::int64_t>())));
 }
 
 std::string alignment_summary(const Json& alignment, int n) {

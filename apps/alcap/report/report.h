@@ -53,6 +53,9 @@ struct RunSeconds {
 /// The report of `alcap field` without its `files`.
 [[nodiscard]] Json field_report(const std::filesystem::path& path, const MeshFile& file, const FieldRun& run,
                                 const FieldRunOptions& options);
+/// Lines of the summary about the triangles that a field was solved on.
+[[nodiscard]] std::string triangulation_summary(const Json& triangulation);
+
 /// The lines of a summary that say how features are followed.
 [[nodiscard]] std::string alignment_summary(const Json& alignment, int n);
 /// Its `times`.

@@ -33,6 +33,11 @@ constexpr double target_reward = 1000;
 // Penalty of the flux across, in units of 1 / area of the face.
 constexpr double target_penalty = 1e4;
 
+// Of a fixed direction: penalty of the part across, and reward of the part along in units of the component's area. The
+// reward is what the rest of a surface weighs, so that the field neither vanishes there nor gathers there.
+constexpr double fixed_penalty = 1e4;
+constexpr double fixed_reward = 1;
+
 void validate(const Mesh& mesh, const EigenControls& controls, const EigenDesignOptions& options) {
   const std::vector<EigenStroke>& strokes = controls.strokes;
   if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
@@ -59,6 +64,27 @@ void validate(const Mesh& mesh, const EigenControls& controls, const EigenDesign
       throw OptionError("pin", "in face " + std::to_string(target.face),
                         "zeros are pinned by variational designs only");
   }
+  for (const VertexConstraint& fixed : controls.fixed) {
+    if (fixed.vertex < 0 || fixed.vertex >= mesh.vertices() || !mesh.referenced(fixed.vertex))
+      throw OptionError("fixed", fixed.vertex, "must be a vertex that a face uses");
+    if (!(std::abs(fixed.value) > 0) || !std::isfinite(std::abs(fixed.value)))
+      throw OptionError("fixed", fixed.vertex, "needs a direction: a value that is finite and not zero");
+  }
+}
+
+/// Lines across which a field runs, as lines along which its turned copy does.
+std::vector<EigenStroke> along(std::vector<EigenStroke> strokes) {
+  for (EigenStroke& stroke : strokes)
+    if (stroke.across)
+      for (SurfaceSegment& segment : stroke.line.segments) segment.tangent *= C(0, 1);
+  return strokes;
+}
+
+ControlReport judge(std::size_t number, const VertexConstraint& fixed, int n, const ComplexVectorX<double>& u) {
+  ControlReport report{.id = static_cast<ControlId>(number)};
+  report.error_degrees = std::abs(std::arg(u[fixed.vertex] * std::conj(fixed.value))) / n * 180 / pi<double>;
+  report.met = report.error_degrees <= target_met_degrees;
+  return report;
 }
 
 /// Rows of a stroke with its weight multiplied in, vertices numbered as in their component.
@@ -146,6 +172,7 @@ class ControlledPencil {
         mesh_(surface.mesh()),
         topology_(surface.topology()),
         controls_(controls),
+        strokes_(along(controls.strokes)),
         options_(options),
         areas_(detail::areas_of_components(surface.geometry(), topology_)),
         vertices_(detail::vertices_of_components(topology_)),
@@ -158,6 +185,7 @@ class ControlledPencil {
     add_strokes();
     add_means();
     if (!controls.singularities.empty()) add_targets();
+    add_fixed();
     for (std::size_t c = 0; c < areas_.size(); ++c)
       if (!joint_[c].vertex.empty()) rows_[c].along.push_back(std::move(joint_[c]));
   }
@@ -178,11 +206,13 @@ class ControlledPencil {
   void add_strokes();
   void add_means();
   void add_targets();
+  void add_fixed();
 
   const ConnectedSurface& surface_;
   const Mesh& mesh_;
   const Topology& topology_;
   const EigenControls& controls_;
+  std::vector<EigenStroke> strokes_;  // turned where they are followed across
   const EigenDesignOptions& options_;
   std::vector<double> areas_;
   std::vector<std::vector<Index>> vertices_;  // of each component
@@ -198,8 +228,8 @@ class ControlledPencil {
 void ControlledPencil::add_strokes() {
   const Geometry& geometry = surface_.geometry();
   const Connection& connection = surface_.connection();
-  for (std::size_t k = 0; k < controls_.strokes.size(); ++k) {
-    const EigenStroke& stroke = controls_.strokes[k];
+  for (std::size_t k = 0; k < strokes_.size(); ++k) {
+    const EigenStroke& stroke = strokes_[k];
     const std::size_t c = component(stroke);
     for (const SurfaceSegment& segment : stroke.line.segments)
       if (component(segment.face) != c)
@@ -214,8 +244,8 @@ void ControlledPencil::add_strokes() {
 }
 
 void ControlledPencil::add_means() {
-  for (std::size_t k = 0; k < controls_.strokes.size(); ++k) {
-    const EigenStroke& stroke = controls_.strokes[k];
+  for (std::size_t k = 0; k < strokes_.size(); ++k) {
+    const EigenStroke& stroke = strokes_[k];
     const std::size_t c = component(stroke);
     const double weight = mean_reward * stroke.weight * stroke_scale * std::sqrt(areas_[c]);
     const double scale = std::sqrt(weight / stroke.line.length());
@@ -242,6 +272,18 @@ void ControlledPencil::add_targets() {
       flux.add_real_part(rows_[c].across.emplace_back(), std::sqrt(target_penalty / area), C(0, -1), local_);
       sizes_[c] += target.strength * target.strength * target_reward * areas_[c];
     }
+  }
+}
+
+void ControlledPencil::add_fixed() {
+  for (const VertexConstraint& fixed : controls_.fixed) {
+    const auto c = static_cast<std::size_t>(topology_.vertex_component[static_cast<std::size_t>(fixed.vertex)]);
+    const C direction = fixed.value / std::abs(fixed.value);
+    const Index v = local_[static_cast<std::size_t>(fixed.vertex)];
+    // Im(conj(d) u) = Re(conj(i d) u)
+    rows_[c].across.emplace_back().add(v, std::sqrt(fixed_penalty) * C(0, 1) * direction);
+    joint_[c].add(v, std::sqrt(fixed_reward * areas_[c]) * direction);
+    sizes_[c] += fixed_reward * areas_[c];
   }
 }
 
@@ -272,10 +314,13 @@ void ControlledPencil::choose_signs(ComplexVectorX<double>& u) const {
   for (const TargetFlux& zero : fluxes_)
     flux[component(zero.face)] += controls_.singularities[zero.number].strength * zero.at(u).real();
   for (std::size_t k = 0; k < samples_.size(); ++k) {
-    const EigenStroke& stroke = controls_.strokes[k];
+    const EigenStroke& stroke = strokes_[k];
     for (const detail::StrokeSample& sample : samples_[k])
       along[component(stroke)] += stroke.weight * sample.ds * sample.at(u).real();
   }
+  for (const VertexConstraint& fixed : controls_.fixed)
+    along[static_cast<std::size_t>(topology_.vertex_component[static_cast<std::size_t>(fixed.vertex)])] +=
+        (std::conj(fixed.value) * u[fixed.vertex]).real() / std::abs(fixed.value);
   for (std::size_t c = 0; c < areas_.size(); ++c)
     if (flux[c] != 0 ? flux[c] < 0 : along[c] < 0)
       for (const Index v : vertices_[c]) u[v] = -u[v];
@@ -284,7 +329,9 @@ void ControlledPencil::choose_signs(ComplexVectorX<double>& u) const {
 void ControlledPencil::judge_controls(EigenDesignResult& result) const {
   const ComplexVectorX<double>& u = result.field.u;
   for (std::size_t k = 0; k < samples_.size(); ++k)
-    result.strokes.push_back(judge(samples_[k], options_.n, areas_[component(controls_.strokes[k])], u));
+    result.strokes.push_back(judge(samples_[k], options_.n, areas_[component(strokes_[k])], u));
+  for (std::size_t k = 0; k < controls_.fixed.size(); ++k)
+    result.fixed.push_back(judge(k, controls_.fixed[k], options_.n, u));
   if (fluxes_.empty()) return;
   const std::vector<int> indices = face_indices(surface_, result.field);
   for (std::size_t k = 0; k < controls_.singularities.size(); ++k)

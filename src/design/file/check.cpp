@@ -178,8 +178,6 @@ void check_eigen(const DesignFile& design) {
   };
   if (design.guidance.source != DesignGuidance::Source::none)
     refuse("/guidance", std::string(name(design.guidance.source)));
-  if (!design.fixed.empty()) refuse("/fixed", std::to_string(design.fixed.size()) + " vertices");
-  if (design.boundary.wanted) refuse("/boundary", design.boundary.normal ? "normal" : "tangent");
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     if (design.singularities[k].pin) refuse("/singularities/" + std::to_string(k) + "/pin", "true");
   for (std::size_t k = 0; k < design.strokes.size(); ++k)

@@ -133,6 +133,19 @@ void Builder::place_nowhere(MeshFile& mesh) {
                      " coordinates that are not finite; placed at vertex " + std::to_string(somewhere));
 }
 
+void Builder::take_edges(MeshFile& mesh) {
+  const auto known = [&](std::int64_t v) { return v >= 0 && v < vertices_; };
+  std::int64_t lost = 0;
+  for (const auto& [i, j] : edges_) {
+    if (known(i) && known(j))
+      mesh.edges.push_back({static_cast<Index>(i), static_cast<Index>(j)});
+    else
+      ++lost;
+  }
+  if (lost > 0)
+    remarks_.push_back(counted(lost, "edge names a vertex", "edges name vertices") + " that the file does not have");
+}
+
 MeshFile Builder::finish(const char* format) {
   if (vertices_ == 0) fail(source_, "there are no vertices; is this a mesh, and is it complete?");
   if (faces_ == 0) {
@@ -153,6 +166,7 @@ MeshFile Builder::finish(const char* format) {
   if (short_faces_ > 0)
     remarks_.push_back(counted(short_faces_, "face has", "faces have") + " fewer than three corners; left out");
   place_nowhere(mesh);
+  take_edges(mesh);
   mesh.remarks = std::move(remarks_);
   mesh.format = format;
   mesh.ignored = std::move(ignored_);

@@ -4,6 +4,7 @@
 // polygons, growth. Every format reader ends here, so all of them agree on what an acceptable mesh is.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -59,6 +60,9 @@ class Builder {
   /// Adds a sentence to MeshFile::remarks.
   void remark(std::string text) { remarks_.push_back(std::move(text)); }
 
+  /// Adds an edge that the file lists, by zero-based vertex numbers; those of no vertex are left out, with a remark.
+  void edge(std::int64_t i, std::int64_t j) { edges_.push_back({i, j}); }
+
   /// Counts something that is no surface.
   void ignore(std::string_view kind, std::int64_t count = 1);
 
@@ -87,6 +91,7 @@ class Builder {
 
   void told(const char* where) const;
   void place_nowhere(MeshFile& mesh);
+  void take_edges(MeshFile& mesh);
   void grow_vertices();
   void grow_faces();
   void polygon(std::span<const std::int64_t> corners, const char* where);
@@ -106,6 +111,7 @@ class Builder {
   std::vector<std::size_t> starts_;  // ... and where each face starts
   std::vector<const char*> places_;  // of the faces, for the same
   std::vector<MeshFile::Ignored> ignored_;
+  std::vector<std::array<std::int64_t, 2>> edges_;
   std::vector<Nowhere> nowhere_;
   std::int64_t short_faces_ = 0;  // of fewer than three corners
   std::string first_short_;       // what is wrong with the first of them, and where it is

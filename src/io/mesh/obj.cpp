@@ -55,6 +55,21 @@ void read_face(Tokenizer& in, Builder& mesh, std::vector<std::int64_t>& corners)
   mesh.face(corners, where);
 }
 
+// The segments of a line; what is no vertex ends it.
+void read_line(Tokenizer& in, Builder& mesh) {
+  std::int64_t last = 0;
+  for (bool first = true; !in.at_line_end(); first = false) {
+    std::int64_t v = 0;
+    if (!in.integer(v, '/') || !in.skip_references() || v == 0) {
+      in.skip_statement();
+      return;
+    }
+    v = v > 0 ? v - 1 : mesh.vertices() + v;
+    if (!first) mesh.edge(last, v);
+    last = v;
+  }
+}
+
 [[noreturn]] void fail_unknown(const Source& source, const char* where, std::string_view word) {
   fail_at(source, where, quoted(word) + " is no OBJ statement; is this an OBJ file? If so, repair or remove the line");
 }
@@ -80,7 +95,10 @@ MeshFile read_obj(const Source& source, const ReadOptions& options) {
       read_face(in, mesh, corners);
     } else if (is_ignored(word)) {
       mesh.ignore(word);
-      in.skip_statement();
+      if (word == "l")
+        read_line(in, mesh);
+      else
+        in.skip_statement();
     } else if (is_word(word)) {
       if (unknown.empty()) first_unknown = where;
       if (std::ranges::find(unknown, word) == unknown.end() && unknown.size() < most_unknown)

@@ -133,11 +133,24 @@ class Reader {
     if (element.count > 0 && element.name == "tristrips") {
       fail(source_, "the surface is stored as triangle strips, which are not read; save it with faces");
     }
+    const bool edges = element.name == "edge";
+    const std::array<int, 2> ends = {edges ? element.find("vertex1", "v1") : -1,
+                                     edges ? element.find("vertex2", "v2") : -1};
     for (std::int64_t e = 0; e < element.count; ++e) {
       mesh_.tick(e, body_.where());
       body_.begin();
-      for (const auto& p : element.properties) skip(p, element);
+      std::array<std::int64_t, 2> vertex = {-1, -1};
+      for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        const auto& p = element.properties[i];
+        const int end = static_cast<int>(i) == ends[0] ? 0 : static_cast<int>(i) == ends[1] ? 1 : -1;
+        if (end < 0 || p.is_list) {
+          skip(p, element);
+        } else if (!body_.integer(p.type, vertex[static_cast<std::size_t>(end)])) {
+          fail_value(p, element);
+        }
+      }
       body_.end_of(element);
+      if (ends[0] >= 0 && ends[1] >= 0) mesh_.edge(vertex[0], vertex[1]);
     }
     mesh_.ignore(element.name, element.count);
   }

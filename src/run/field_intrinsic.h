@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: MIT
+//
+// field_intrinsic.h: a run that is solved on an intrinsic triangulation. Internal to run.
+#pragma once
+
+#include "alcap/field_run.h"
+
+namespace alcap::detail {
+
+/// Whether it is. Throws OptionError where it is asked for and cannot be.
+[[nodiscard]] bool wants_intrinsic(const Surface& surface, const FieldRunOptions& options);
+
+/// Triangulation, connections, field, eigenvalues, features; their times but those of the connections, which are
+/// returned, in seconds.
+double solve_on_intrinsic(const FieldRunOptions& options, const Surface& surface, FieldRun& run);
+
+/// What is worth saying about it, when indices and singularities are known.
+void remark_triangulation(FieldRun& run);
+
+}  // namespace alcap::detail

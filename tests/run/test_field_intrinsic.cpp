@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: MIT
+//
+// Fields that are solved on an intrinsic triangulation: the surface's, in the frames of the mesh.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "alcap/field_run.h"
+#include "alcap/generators.h"
+#include "src/base/parallel.h"
+#include "tests/support/parts.h"
+#include "tests/support/slivers.h"
+
+using namespace alcap;
+
+namespace {
+
+bool said(const FieldRun& run, const std::string& code) {
+  return std::any_of(run.remarks.begin(), run.remarks.end(), [&](const Remark& r) { return r.code == code; });
+}
+
+FieldRun solved(const MeshData& mesh, Triangulation kind, double min_angle = FieldRunOptions{}.min_angle) {
+  return run_field(mesh.V, mesh.F, {.n = 4, .triangulation = kind, .min_angle = min_angle});
+}
+
+/// |<a, b>| / (|a| |b|) over the vertices that both meshes have, after a's vectors are seen in b's frames.
+double agreement(const FieldRun& a, const FieldRun& b) {
+  const int n = a.field.n;
+  const Index shared = std::min(a.mesh().vertices(), b.mesh().vertices());
+  const Positions<double> vectors = a.field.vectors(0);
+  Complex<double> product = 0;
+  double aa = 0, bb = 0;
+  for (Index v = 0; v < shared; ++v) {
+    const Complex<double> z = b.field.frames->component(v, vectors.row(v)), u = std::pow(z, n);
+    product += std::conj(u) * b.field.u[v];
+    aa += std::norm(u);
+    bb += std::norm(b.field.u[v]);
+  }
+  return std::abs(product) / std::sqrt(aa * bb);
+}
+
+}  // namespace
+
+TEST_CASE("a Delaunay mesh is solved on as it is: the same values") {
+  const MeshData mesh = bumpy_sphere(3, 0.2, 4);
+  const FieldRun given = solved(mesh, Triangulation::extrinsic), there = solved(mesh, Triangulation::intrinsic, 0);
+  REQUIRE(there.triangulation);
+  CHECK(there.triangulation->added == 0);
+  if (there.triangulation->flips == 0)
+    CHECK(there.eigen[0].lambda == doctest::Approx(given.eigen[0].lambda).epsilon(1e-7));
+  CHECK(agreement(given, there) > 0.995);
+  CHECK(there.connection().kind == ConnectionKind::local);
+  CHECK(there.certificate.holds());
+  CHECK(said(there, "intrinsic_triangulation"));
+  CHECK_FALSE(given.triangulation);
+}
+
+TEST_CASE("slivers change nothing: the field of the clean mesh at its vertices") {
+  const MeshData clean = bumpy_sphere(4, 0.2, 3);
+  const FieldRun without = solved(clean, Triangulation::extrinsic);
+  for (const double height : {1e-3, 1e-6}) {
+    CAPTURE(height);
+    const MeshData bad = test::with_slivers(clean, 37, height);
+    const FieldRun with = solved(bad, Triangulation::automatic);
+    REQUIRE(with.triangulation);
+    CHECK(with.certificate.holds());
+    CHECK(with.triangulation->after.angle_min > 19.9 * pi<double> / 180);
+    CHECK(with.eigen[0].lambda == doctest::Approx(without.eigen[0].lambda).epsilon(5e-3));
+    CHECK(agreement(without, with) > 0.995);
+    // It converges as without them.
+    CHECK(with.triangulation->connection.iterations <= 2 * without.connection().report.iterations);
+    CHECK(with.eigen[0].iterations <= without.eigen[0].iterations + 4);
+  }
+}
+
+TEST_CASE("on a flat plate with slivers crosses along the boundary are those of the axes, everywhere") {
+  const MeshData plate = test::with_slivers(grid(12, 9, 4, 3), 7, 1e-5);
+  const FieldRun run =
+      run_field(plate.V, plate.F, {.n = 4, .align = FieldAlignment{}, .triangulation = Triangulation::intrinsic});
+  REQUIRE(run.triangulation);
+  CHECK(run.triangulation->flips > 0);
+  CHECK(run.certificate.holds());
+  CHECK(run.singularities.empty());
+  CHECK(run.features->followed);
+  const Positions<double> vectors = run.field.vectors(0);
+  for (Index v = 0; v < run.mesh().vertices(); ++v) {
+    const double angle = std::atan2(vectors(v, 1), vectors(v, 0));
+    CHECK(std::abs(std::remainder(angle, pi<double> / 2)) < 1e-6);
+  }
+}
+
+/// cad_like(segments, 1), finely meshed: rings along the profile, triangles as long as wide.
+MeshData fine_cylinder(int segments, double radius, double height) {
+  const int around = segments, along = static_cast<int>(height * segments / (2 * pi<double> * radius)),
+            inward = static_cast<int>(segments / (2 * pi<double>));
+  const int rings = along + 2 * inward - 1;
+  MeshData out{Positions<double>(rings * around + 2, 3), Faces(2 * rings * around, 3)};
+  out.V.row(0).setZero();
+  out.V.row(rings * around + 1) << 0, 0, height;
+  Index t = 0;
+  for (int r = 0; r < rings; ++r) {
+    const double here = r < inward           ? radius * (r + 1) / inward
+                        : r < inward + along ? radius
+                                             : radius * (rings - r) / inward;
+    const double z = r < inward ? 0 : r < inward + along ? height * (r - inward + 1) / along : height;
+    for (int k = 0; k < around; ++k) {
+      const double angle = 2 * pi<double> * k / around;
+      const Index a = 1 + r * around + k, b = 1 + r * around + (k + 1) % around;
+      out.V.row(a) << here * std::cos(angle), here * std::sin(angle), z;
+      if (r == 0) out.F.row(t++) << 0, b, a;
+      if (r + 1 < rings) {
+        out.F.row(t++) << a, b, b + around;
+        out.F.row(t++) << a, b + around, a + around;
+      } else {
+        out.F.row(t++) << a, b, rings * around + 1;
+      }
+    }
+  }
+  return out;
+}
+
+TEST_CASE("shafts of needles: the eigenvalue of the surface") {
+  const MeshData shaft = cad_like(400, 1);
+  const FieldRun run = solved(shaft, Triangulation::automatic);
+  REQUIRE(run.triangulation);
+  CHECK(run.certificate.holds());
+  CHECK(run.triangulation->connection.converged);
+  const FieldRun fine = solved(fine_cylinder(400, 1, 6), Triangulation::extrinsic);
+  const FieldRun needles = solved(shaft, Triangulation::extrinsic);
+  const auto error = [&](const FieldRun& r) { return std::abs(r.eigen[0].lambda / fine.eigen[0].lambda - 1); };
+  CHECK(error(run) < 1e-2);
+  CHECK(error(run) < error(needles) / 10);
+  std::int64_t sum = 0;
+  for (const int i : run.indices) sum += i;
+  CHECK(sum == 8);
+  CHECK(run.field.u.size() == shaft.V.rows());
+}
+
+TEST_CASE("a part with needles is followed along its creases") {
+  const MeshData shaft = cad_like(120, 3);
+  const FieldRun run = run_field(shaft.V, shaft.F, {.n = 4, .align = FieldAlignment{}});
+  REQUIRE(run.triangulation);
+  CHECK(run.certificate.holds());
+  CHECK(run.features->followed);
+  CHECK(run.features->report.all.mean_degrees < 1);
+  CHECK(run.features->graph.vertices.size() == static_cast<std::size_t>(shaft.V.rows()));
+}
+
+TEST_CASE("good meshes and connections with cones stay on the mesh") {
+  CHECK_FALSE(solved(icosphere(3), Triangulation::automatic).triangulation);
+  const MeshData shaft = cad_like(40, 2);
+  ConnectionOptions cones{.kind = ConnectionKind::trivial, .cones = {{0, 1}, {60, 1}}};
+  CHECK_FALSE(run_field(shaft.V, shaft.F, {.n = 4, .connection = cones}).triangulation);
+  CHECK_THROWS_AS(
+      (void)run_field(shaft.V, shaft.F, {.n = 4, .connection = cones, .triangulation = Triangulation::intrinsic}),
+      OptionError);
+  CHECK_THROWS_AS((void)solved(shaft, Triangulation::intrinsic, 1), OptionError);
+}
+
+TEST_CASE("modes are handed back at the vertices of the mesh; threads do not matter") {
+  const MeshData mesh = test::with_slivers(torus(24, 12, 1, 0.4), 9, 1e-4);
+  const FieldRunOptions options{.n = 2, .modes = 3, .triangulation = Triangulation::intrinsic, .threads = 1};
+  const FieldRun one = run_field(mesh.V, mesh.F, options);
+  CHECK(one.modes.U.rows() == mesh.V.rows());
+  CHECK(one.modes.U.cols() == 3);
+  FieldRunOptions four = options;
+  four.threads = 4;
+  CHECK(run_field(mesh.V, mesh.F, four).field.u == one.field.u);
+}
+
+TEST_CASE("faces without area are mollified on request") {
+  MeshData mesh = test::with_slivers(icosphere(3), 61, 0.0);  // points exactly on edges, as far as rounding goes
+  mesh.V.row(mesh.V.rows() - 1) = mesh.V.row(mesh.F(mesh.F.rows() - 1, 1));  // and one on a vertex
+  CHECK_THROWS_AS((void)run_field(mesh.V, mesh.F, {.n = 4}), MeshError);
+  const FieldRun run = run_field(mesh.V, mesh.F, {.n = 4, .repairs = {Repair::mollify}});
+  CHECK(run.certificate.holds());
+  CHECK(said(run, "mollified"));
+  CHECK(run.surface.in_space());
+  CHECK(run.field.u.size() == mesh.V.rows());
+  const FieldRun clean = run_field(icosphere(3).V, icosphere(3).F, {.n = 4});
+  CHECK(run.eigen[0].lambda == doctest::Approx(clean.eigen[0].lambda).epsilon(0.02));
+  // Nothing to do, nothing said.
+  const FieldRun same = run_field(icosphere(3).V, icosphere(3).F, {.n = 4, .repairs = {Repair::mollify}});
+  CHECK_FALSE(said(same, "mollified"));
+  CHECK(same.eigen[0].lambda == clean.eigen[0].lambda);
+  MeshData nowhere = icosphere(1);
+  nowhere.V(3, 1) = std::nan("");
+  CHECK_THROWS_AS((void)run_field(nowhere.V, nowhere.F, {.n = 4, .repairs = {Repair::mollify}}), MeshError);
+}
