@@ -12,6 +12,7 @@ _WORDS = (
     ('Repair::split', "repairs=['split']"),
     ('Repair::automatic', "repairs=['auto']"),
     ('Repair::orient', "repairs=['orient']"),
+    ('Repair::mollify', "repairs=['mollify']"),
     ('repair_weld()', 'alcap.repair_weld'),
     ('repair_orientation()', 'alcap.repair_orientation'),
     ('EigenOptions::solver', 'solver'),

@@ -115,17 +115,22 @@ class FieldRun(Run):
         return self._run.face_of
 
 
+_MIN_ANGLE = 20 * np.pi / 180
+
+
 def _how(n: int, s: float, normalise: bool, align: Align, modes: int = 1, repairs: Sequence[str] = (),
-         weld_tolerance: float = 0.0) -> Dict[str, Any]:
+         weld_tolerance: float = 0.0, triangulation: str = 'auto', min_angle: float = _MIN_ANGLE) -> Dict[str, Any]:
     chosen = Alignment() if align is True else None if align is False else align
     if chosen is not None and chosen.edges is not None:
         chosen = replace(chosen, edges=np.asarray(chosen.edges))
     return {'n': n, 's': s, 'normalise': normalise, 'modes': modes, 'repairs': list(repairs),
-            'weld_tolerance': weld_tolerance, 'align': None if chosen is None else vars(chosen)}
+            'weld_tolerance': weld_tolerance, 'triangulation': triangulation, 'min_angle': min_angle,
+            'align': None if chosen is None else vars(chosen)}
 
 
 def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: bool = False, align: Align = None,
-                    modes: int = 1, progress: Progress = None, threads: int = 0, **options: Any) -> FieldRun:
+                    modes: int = 1, triangulation: str = 'auto', min_angle: float = _MIN_ANGLE,
+                    progress: Progress = None, threads: int = 0, **options: Any) -> FieldRun:
     """The smoothest n-vector field of a surface, with singularities and certificate.
 
     Parameters
@@ -142,6 +147,11 @@ def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: 
         True: a field of even n along creases and boundary instead of the smoothest one; or an Alignment.
     modes : int
         More than 1: `run.modes` holds so many of the smoothest fields.
+    triangulation : str
+        'extrinsic': solved on the mesh's own triangles; 'intrinsic': on better ones of the same surface; 'auto': on
+        those where one face in a hundred has a corner below 1 degree.
+    min_angle : float
+        The least corner of the better triangles, in radians, at most pi/6; 0 adds no vertices to them.
     progress : callable(phase, fraction), optional
         Called on this thread; what it raises ends the call. See progress_bar().
     threads : int
@@ -165,13 +175,14 @@ def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: 
     if isinstance(surface, ConnectedSurface):
         raise TypeError('smoothest_field makes the connection itself: pass the Surface and connection=..., or use '
                         'eigen_design for the smoothest field of a ConnectedSurface')
-    how = _how(n, s, normalise, align, modes)
+    how = _how(n, s, normalise, align, modes, (), 0.0, triangulation, min_angle)
     return FieldRun(_alcap.run_field(surface, how, connection, eigen, progress, threads))
 
 
 def run_field(V: npt.ArrayLike, F: npt.ArrayLike, n: int = 4, *, repairs: Sequence[str] = (),
               weld_tolerance: float = 0.0, s: float = 0.0, normalise: bool = False, align: Align = None,
-              modes: int = 1, progress: Progress = None, threads: int = 0, **options: Any) -> FieldRun:
+              modes: int = 1, triangulation: str = 'auto', min_angle: float = _MIN_ANGLE, progress: Progress = None,
+              threads: int = 0, **options: Any) -> FieldRun:
     """smoothest_field() of arrays, after repairs.
 
     Parameters
@@ -182,7 +193,7 @@ def run_field(V: npt.ArrayLike, F: npt.ArrayLike, n: int = 4, *, repairs: Sequen
         As of repair_mesh(). Vertices keep their numbers; copies come behind them, see `run.copies_of`.
     weld_tolerance : float
         Of 'weld', in diagonals of the box around all points.
-    align, modes
+    align, modes, triangulation, min_angle
         As of smoothest_field().
 
     Returns
@@ -195,7 +206,7 @@ def run_field(V: npt.ArrayLike, F: npt.ArrayLike, n: int = 4, *, repairs: Sequen
         The mesh cannot be used; names the elements.
     """
     connection, eigen = _split(options)
-    how = _how(n, s, normalise, align, modes, repairs, weld_tolerance)
+    how = _how(n, s, normalise, align, modes, repairs, weld_tolerance, triangulation, min_angle)
     return FieldRun(_alcap.run_field_arrays(V, F, how, connection, eigen, progress, threads))
 
 

@@ -49,6 +49,8 @@ FieldRunOptions options_of(const py::dict& d, const py::dict& connection, const 
   for (const py::handle h : d["repairs"]) out.repairs.push_back(named<Repair>(h.cast<std::string>(), "repairs"));
   out.weld_tolerance = d["weld_tolerance"].cast<double>();
   out.modes = d["modes"].cast<int>();
+  out.triangulation = named<Triangulation>(d["triangulation"].cast<std::string>(), "triangulation");
+  out.min_angle = d["min_angle"].cast<double>();
   if (!d["align"].is_none()) out.align = alignment_of(d["align"].cast<py::dict>());
   return out;
 }

@@ -41,6 +41,7 @@ CPP_ONLY = {
     'measurable': 'a test inside find_defects', 'field_format': 'the end of a name',
     'as_positions': 'NumPy converts', 'as_faces': 'NumPy converts',
     'connection_choice': 'connect() takes the name',
+    'intrinsic_delaunay': 'run_field(triangulation=...) solves on it', 'triangle_quality': 'part of intrinsic_delaunay',
     'command_for': 'a line of text of the command line',
 
 }

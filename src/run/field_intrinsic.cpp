@@ -99,14 +99,19 @@ bool wants_intrinsic(const Surface& surface, const FieldRunOptions& options) {
   return possible && triangle_quality(surface).slivers >= std::max<Index>(1, surface.mesh().faces() / faces_per_sliver);
 }
 
-double solve_on_intrinsic(const FieldRunOptions& options, const Surface& surface, FieldRun& run) {
+std::optional<double> solve_on_intrinsic(const FieldRunOptions& options, const Surface& surface, FieldRun& run) {
   Stopwatch watch;
   FeatureGraph graph;
   if (options.align) graph = features_of(options, surface);
-  const IntrinsicTriangulation now =
-      intrinsic_delaunay(surface, {.keep = graph.edges,
-                                   .min_angle = options.min_angle,
-                                   .max_radius = options.min_angle > 0 ? largest_radius(surface) : 0.0});
+  IntrinsicTriangulation now;
+  try {
+    now = intrinsic_delaunay(surface, {.keep = graph.edges,
+                                       .min_angle = options.min_angle,
+                                       .max_radius = options.min_angle > 0 ? largest_radius(surface) : 0.0});
+  } catch (const MeshError&) {
+    if (options.triangulation == Triangulation::intrinsic) throw;
+    return std::nullopt;
+  }
   ConnectionOptions connection = options.connection;
   connection.n = options.n;
   const ConnectedSurface there = connect(now.surface, connection);

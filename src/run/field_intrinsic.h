@@ -3,6 +3,8 @@
 // field_intrinsic.h: a run that is solved on an intrinsic triangulation. Internal to run.
 #pragma once
 
+#include <optional>
+
 #include "alcap/field_run.h"
 
 namespace alcap::detail {
@@ -11,8 +13,10 @@ namespace alcap::detail {
 [[nodiscard]] bool wants_intrinsic(const Surface& surface, const FieldRunOptions& options);
 
 /// Triangulation, connections, field, eigenvalues, features; their times but those of the connections, which are
-/// returned, in seconds.
-double solve_on_intrinsic(const FieldRunOptions& options, const Surface& surface, FieldRun& run);
+/// returned, in seconds. Nothing, and nothing done, where lengths are too far apart for a triangulation that was not
+/// asked for by name.
+[[nodiscard]] std::optional<double> solve_on_intrinsic(const FieldRunOptions& options, const Surface& surface,
+                                                       FieldRun& run);
 
 /// What is worth saying about it, when indices and singularities are known.
 void remark_triangulation(FieldRun& run);

@@ -240,11 +240,12 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.times.mesh = watch.lap();
 
   say(options, "connection");
-  if (detail::wants_intrinsic(surface, options)) {
-    run.times.connection = detail::solve_on_intrinsic(options, surface, run);
-  } else {
+  const std::optional<double> connecting =
+      detail::wants_intrinsic(surface, options) ? detail::solve_on_intrinsic(options, surface, run) : std::nullopt;
+  if (connecting)
+    run.times.connection = *connecting;
+  else
     solve_on_mesh(options, surface, run);
-  }
   const double solved = run.times.connection + run.times.assembly + run.times.eigen;
   const double frames = std::max(0.0, watch.lap() - solved);
 
