@@ -156,8 +156,8 @@ void remark_triangulation(FieldRun& run) {
   run.remarks.push_back({.code = "intrinsic_triangulation",
                          .warning = false,
                          .message = "solved on an intrinsic triangulation of " + counted(t.faces, "face", "faces") +
-                                    ", because of needles and slivers; its smallest angle is " +
-                                    rounded_text(t.after.angle_min * 180 / pi<double>) + " degrees",
+                                    ", whose smallest corner is " + rounded_text(t.after.angle_min * 180 / pi<double>) +
+                                    " degrees",
                          .count = t.flips});
   if (!t.complete)
     run.remarks.push_back({.code = "triangulation_incomplete",
