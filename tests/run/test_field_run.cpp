@@ -40,7 +40,7 @@ TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
       FieldRun one;
       const auto expected = files_of(s, options, one);
       CHECK(one.certificate.holds());
-      CHECK(expected.size() == 8);
+      CHECK(expected.size() >= field_formats().size());
       for (const int threads : {2, 4}) {
         CAPTURE(threads);
         options.threads = threads;
