@@ -190,7 +190,8 @@ def run_field(V: npt.ArrayLike, F: npt.ArrayLike, n: int = 4, *, repairs: Sequen
     V : (#V, 3) array of float64 or float32
     F : (#F, 3) array of integers
     repairs : sequence of str
-        As of repair_mesh(). Vertices keep their numbers; copies come behind them, see `run.copies_of`.
+        As of repair_mesh(), and 'mollify': edges are taken a little longer, so that every face has an area. Vertices
+        keep their numbers; copies come behind them, see `run.copies_of`.
     weld_tolerance : float
         Of 'weld', in diagonals of the box around all points.
     align, modes, triangulation, min_angle
