@@ -15,12 +15,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "alcap/connection.h"
@@ -259,6 +261,15 @@ inline std::vector<std::string> split(const std::string& list) {
 
 /// main() of every program: reads the flags of Plan, lets `declare` register, runs.
 inline int run(int argc, char** argv, const std::function<void(const Plan&)>& declare) {
+  for (int i = 1; i < argc; ++i)
+    if (std::string_view(argv[i]) == "--help")
+      (void)std::puts(
+          "Flags of the benchmarks of alcap; lists are separated by commas:\n"
+          "  --faces=LIST     triangles (50000,327680); sizes that do not fit into memory are left out\n"
+          "  --threads=LIST   (1,2)\n"
+          "  --degrees=LIST   n of the fields (1,4), where a benchmark has several\n"
+          "  --families=LIST  of jittered (default), icosphere, torus, scan, cad\n"
+          "Names are PHASE/family/faces/key:value/threads:T. The others are those of Google Benchmark:");
   benchmark::Initialize(&argc, argv);
   Plan plan;
   for (int i = 1; i < argc; ++i) {

@@ -3,9 +3,12 @@
 import html
 import math
 
-COLOURS = ["#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e", "#17becf", "#8c564b", "#7f7f7f", "#bcbd22", "#e377c2",
-           "#393b79", "#637939", "#8c6d31", "#843c39", "#7b4173", "#000000"]
-WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 800, 440, 70, 270, 36, 50
+# Okabe and Ito 2008: told apart by colour-blind eyes; further series repeat them with other marks.
+COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"]
+MARKS = ['<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{c}"/>',
+         '<rect x="{l:.1f}" y="{t:.1f}" width="7" height="7" fill="{c}"/>',
+         '<path d="M{x:.1f} {t:.1f}l4.5 7.5h-9z" fill="{c}"/>']
+WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 800, 460, 70, 250, 36, 66
 
 
 def short(value):
@@ -31,9 +34,23 @@ def ticks(low, high):
     return [m for m in marks if low - 1e-9 <= math.log10(m) <= high + 1e-9]
 
 
-def log_plot(title, x_label, y_label, series, slopes=False, dashed=()):
+def spread(wanted, least=14):
+    """The heights nearest to the wanted ones that lie at least so far apart, in the same order."""
+    order = sorted(range(len(wanted)), key=lambda k: wanted[k])
+    heights = [0.0] * len(wanted)
+    for i, k in enumerate(order):
+        heights[k] = max(wanted[k], heights[order[i - 1]] + least) if i else max(wanted[k], TOP + 4)
+    over = max(heights, default=0) - (HEIGHT - BOTTOM)
+    for i, k in reversed(list(enumerate(order))):
+        if over > 0:
+            below = heights[order[i + 1]] - least if i + 1 < len(order) else HEIGHT - BOTTOM
+            heights[k] = min(heights[k], below)
+    return heights
+
+
+def log_plot(title, x_label, y_label, series, slopes=False, dashed=(), caption=""):
     """series: name -> list of (x, y), all positive. With slopes, each name gets the fitted exponent. Names in `dashed` are
-    guides: no dots, no slope."""
+    guides: no dots, no slope. Every series is labelled at its last point."""
     series = {k: sorted((x, y) for x, y in v if x > 0 and y > 0) for k, v in series.items()}
     series = {k: v for k, v in series.items() if v}
     points = [p for v in series.values() for p in v]
@@ -56,22 +73,29 @@ def log_plot(title, x_label, y_label, series, slopes=False, dashed=()):
         y = place_y(value)
         out.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="#ddd"/>'
                    f'<text x="{LEFT - 6}" y="{y + 4:.1f}" text-anchor="end">{short(value)}</text>')
+    ends = [(place_x(v[-1][0]), place_y(v[-1][1])) for v in series.values()]
+    heights = spread([y for _, y in ends])
     for k, (name, values) in enumerate(series.items()):
-        colour = "#999" if name in dashed else COLOURS[k % len(COLOURS)]
+        colour = "#777" if name in dashed else COLOURS[k % len(COLOURS)]
         at = [(place_x(x), place_y(y)) for x, y in values]
-        dashes = ' stroke-dasharray="6 4"' if name in dashed else ""
+        dashes = ' stroke-dasharray="6 4"' if name in dashed or k >= len(COLOURS) else ""
         out.append('<polyline fill="none" stroke="%s" stroke-width="2"%s points="%s"/>' %
                    (colour, dashes, " ".join(f"{x:.1f},{y:.1f}" for x, y in at)))
         if name not in dashed:
-            out += [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{colour}"/>' for x, y in at]
+            mark = MARKS[k // len(COLOURS) % len(MARKS)]
+            out += [mark.format(x=x, y=y, l=x - 3.5, t=y - 4, c=colour) for x, y in at]
         label = name
         slope = fitted_slope(values) if slopes and len(values) > 1 and name not in dashed else None
         if slope is not None:
             label += f" (slope {slope:.2f})"
-        y = TOP + 14 + 18 * k
-        out.append(f'<rect x="{WIDTH - RIGHT + 10}" y="{y - 9}" width="10" height="10" fill="{colour}"/>'
-                   f'<text x="{WIDTH - RIGHT + 25}" y="{y}" font-size="11">{html.escape(label)}</text>')
-    out.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 10}" text-anchor="middle">{html.escape(x_label)}</text>'
+        elif len(values) == 1 and slopes:
+            label += " (one size)"
+        (x, y), height = ends[k], heights[k]
+        out.append(f'<path d="M{x + 6:.1f} {y:.1f}L{WIDTH - RIGHT + 8} {height:.1f}" stroke="{colour}" stroke-width="0.8" stroke-dasharray="1 3" fill="none"/>'
+                   f'<text x="{WIDTH - RIGHT + 12}" y="{height + 4:.1f}" font-size="11" fill="{colour}">{html.escape(label)}</text>')
+    if caption:
+        out.append(f'<text x="{LEFT}" y="{HEIGHT - 10}" font-size="11" fill="#555">{html.escape(caption)}</text>')
+    out.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 30}" text-anchor="middle">{html.escape(x_label)}</text>'
                f'<text transform="translate(16 {(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)" text-anchor="middle">'
                f'{html.escape(y_label)}</text></svg>')
     return "\n".join(out) + "\n"
@@ -144,6 +168,14 @@ def roofline(report, threads, rows):
     return series, roofs
 
 
+def caption_of(report):
+    """Machine, date and load of the run."""
+    machine = report.get("machine", {})
+    parts = [machine.get("processor"), f"{machine['cores']} cores" if "cores" in machine else None, machine.get("compiler"),
+             machine.get("commit"), machine.get("date"), "UNDER LOAD" if report.get("under_load") else None]
+    return ", ".join(p for p in parts if p)
+
+
 def plots(report):
     """Name -> SVG of everything the results allow."""
     results = [r for r in report["results"] if "size" in r]
@@ -175,22 +207,23 @@ def plots(report):
               **grouped(eigen, lambda r: f"eigen {r['backend']}", faces, lambda r: r["bytes/vertex"] * r["vertices"] / 1e6)}
     time_series = {**grouped(times, lambda r: r["phase"], faces, seconds),
                    **grouped(tool, lambda r: "whole alcap field", faces, seconds)}
+    draw = lambda *these, **options: log_plot(*these, **options, caption=caption_of(report))
     drawn = {
-        "time": log_plot(f"Time by size, {threads} threads, n = 4", "triangles", "wall seconds", time_series, slopes=True),
-        "strong_scaling": log_plot("Strong scaling", "threads", "speedup over one thread", strong, dashed=("ideal",)),
-        "weak_scaling": log_plot("Weak scaling", "triangles per thread", "time of one thread / time of all",
+        "time": draw(f"Time by size, {threads} threads, n = 4", "triangles", "wall seconds", time_series, slopes=True),
+        "strong_scaling": draw("Strong scaling", "threads", "speedup over one thread", strong, dashed=("ideal",)),
+        "weak_scaling": draw("Weak scaling", "triangles per thread", "time of one thread / time of all",
                                  weak_scaling(ours), dashed=("ideal",)),
-        "backends": log_plot("Eigensolvers by tolerance, n = 4" + at(exact("eigen_tolerance")), "wall seconds", "residual, recomputed",
+        "backends": draw("Eigensolvers by tolerance, n = 4" + at(exact("eigen_tolerance")), "wall seconds", "residual, recomputed",
                              grouped(exact("eigen_tolerance"), lambda r: r["backend"], seconds, lambda r: r["residual"])),
-        "linear_backends": log_plot("Linear backends by tolerance, with setup" + at(exact("linear_tolerance")), "wall seconds",
+        "linear_backends": draw("Linear backends by tolerance, with setup" + at(exact("linear_tolerance")), "wall seconds",
                                     "residual, recomputed",
                                     grouped(exact("linear_tolerance"), lambda r: r["backend"], seconds,
                                             lambda r: r["residual"])),
-        "eigen": log_plot(f"Eigensolvers by size, n = 4, {threads} threads", "triangles", "wall seconds",
+        "eigen": draw(f"Eigensolvers by size, n = 4, {threads} threads", "triangles", "wall seconds",
                           grouped(eigen, lambda r: r["backend"], faces, seconds), slopes=True),
-        "linear": log_plot(f"Linear backends by size, {threads} threads", "triangles", "wall seconds",
+        "linear": draw(f"Linear backends by size, {threads} threads", "triangles", "wall seconds",
                            grouped(linear, lambda r: f"{r['phase'][7:]} {r['backend']}", faces, seconds), slopes=True),
-        "memory": log_plot("Memory by size", "triangles", "MB", memory, slopes=True),
-        "roofline": log_plot("Roofline", "operations per byte", "GFlop/s", roof, dashed=roofs),
+        "memory": draw("Memory by size", "triangles", "MB", memory, slopes=True),
+        "roofline": draw("Roofline", "operations per byte", "GFlop/s", roof, dashed=roofs),
     }
     return {name: svg for name, svg in drawn.items() if svg}

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: MIT
 """Tables (Markdown, CSV) and plots (SVG) from the results of bench_run.py. By hand: bench_report.py bench.json FOLDER."""
 import csv
+import datetime
 import json
 import math
+import os
 import pathlib
+import platform
 import re
 import statistics
+import subprocess
 import sys
 
 import bench_plot
@@ -19,6 +23,33 @@ def level_of(faces):
     """Subdivision level of the sphere with exactly so many faces, or None."""
     level = round(math.log(faces / 20, 4))
     return level if 20 * 4**level == faces else None
+
+
+def first_line(command, folder=None):
+    try:
+        return subprocess.run(command, capture_output=True, text=True, cwd=folder, check=True).stdout.splitlines()[0].strip()
+    except (OSError, subprocess.CalledProcessError, IndexError):
+        return "unknown"
+
+
+def machine(build, cores):
+    """What ran, and on what: for the report and the plots."""
+    cache = build / "CMakeCache.txt"
+    found = [l.split("=", 1)[1] for l in cache.read_text().splitlines() if l.startswith("CMAKE_CXX_COMPILER:")] if cache.exists() else []
+    try:
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
+    except (OSError, ValueError):
+        memory = 0
+    source = pathlib.Path(__file__).resolve().parent.parent
+    return {"cores": cores, "processor": processor(), "system": platform.platform(), "memory_gb": round(memory, 1),
+            "compiler": first_line([found[0], "--version"]) if found else "unknown",
+            "commit": first_line(["git", "describe", "--always", "--dirty"], source),
+            "date": datetime.date.today().isoformat()}
+
+
+def machine_text(m, load):
+    return (f"{m['processor']}, {m['cores']} cores, {m['memory_gb']:.0f} GB, {m['system']}\n"
+            f"{m['compiler']}, commit {m['commit']}, load {load:.1f}")
 
 
 def processor():

@@ -306,14 +306,19 @@ def main():
     else:
         units = full_units(sizes, threads)
 
+    machine, load = bench_report.machine(arguments.build, cores), os.getloadavg()[0]
+    print(bench_report.machine_text(machine, load), flush=True)
     started = time.monotonic()
     results, left_out, costs = [], [], Costs()
 
     def report():
         return {
-            "machine": {"cores": cores, "processor": bench_report.processor(), "system": platform.platform()},
+            "machine": machine,
             "mode": arguments.mode,
+            "load_at_start": load,
             "load_at_end": os.getloadavg()[0],
+            # Something else was running: times are upper bounds.
+            "under_load": load > 0.3 * cores,
             "seconds": time.monotonic() - started,
             "left_out": left_out,
             "results": bench_report.medians(results),
@@ -349,6 +354,10 @@ def main():
     write(finished)
     bench_report.write_all(finished, arguments.out)
     print((arguments.out / "targets.md").read_text())
+    if finished["under_load"]:
+        print(f"The machine was not idle (load {load:.1f} at the start): these times are upper bounds.")
+    if left_out:
+        print("Left out: " + "; ".join(f"{l['program']} {l['size']:,} {l['filter']}".strip() for l in left_out))
     print(f"Everything is in {arguments.out} ({finished['seconds']:.0f} s)")
 
 

@@ -32,4 +32,4 @@ fi
 # node looks for packages beside the script.
 cp "$here"/*.mjs "$work"
 cd "$work"
-ALCAP=$alcap CHROMIUM=$chromium exec node --test --test-concurrency=1 "$@" view.test.mjs studio.test.mjs story.test.mjs access.test.mjs
+ALCAP=$alcap CHROMIUM=$chromium exec node --test --test-concurrency=2 "$@" studio.test.mjs access.test.mjs story.test.mjs view.test.mjs

@@ -404,6 +404,13 @@ TEST_CASE("write samples for VTK" * doctest::skip()) {
     array("surface", "cell", 1, F, "K", [&](auto i, int) { return c.connection.K[i]; });
     const std::vector<int> indices = face_indices(c.mesh, c.connection, c.field);
     array("surface", "cell", 1, F, "index", [&](auto i, int) { return indices[static_cast<std::size_t>(i)]; });
+    // Orange above zero, blue below, as in every picture.
+    const auto colour = [](int sign, int channel) {
+      constexpr int colours[3][3] = {{0, 114, 178}, {235, 229, 216}, {213, 94, 0}};
+      return colours[sign < 0 ? 0 : sign == 0 ? 1 : 2][channel];
+    };
+    array("surface", "cell", 3, F, "index_rgb",
+          [&](auto i, int k) { return colour(indices[static_cast<std::size_t>(i)], k); });
     array("surface", "cell", 1, F, c.scalars[0].name.c_str(),
           [&](auto i, int) { return c.extra[static_cast<std::size_t>(i)]; });
     array("surface", "field", 1, 1, "n", [&](auto, int) { return c.field.n; });
@@ -416,6 +423,7 @@ TEST_CASE("write samples for VTK" * doctest::skip()) {
     });
     array("singularities", "verts", 1, S, "-", [](auto i, int) { return i; });
     array("singularities", "point", 1, S, "index", [&](auto i, int) { return sing(i).index; });
+    array("singularities", "point", 3, S, "index_rgb", [&](auto i, int k) { return colour(sing(i).index, k); });
     array("singularities", "point", 1, S, "orientation", [&](auto i, int) { return sing(i).orientation; });
     array("singularities", "point", 1, S, "face", [&](auto i, int) { return sing(i).face; });
     array("singularities", "point", 3, S, "barycentric",

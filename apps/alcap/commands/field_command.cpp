@@ -3,6 +3,8 @@
 // field_command.cpp: `alcap field`, from a mesh to the smoothest n-field, its files and its certificate.
 #include <fmt/core.h>
 
+#include <cstdio>
+
 #include <map>
 #include <memory>
 #include <span>
@@ -52,6 +54,21 @@ struct FieldOptions {
   BatchChoice batch = {};
   std::filesystem::path features = {};  // a .sharp file
 };
+
+/// Time and memory of the dense method, said before they are spent.
+void warn_of_dense(std::int64_t rows, Progress& progress) {
+  constexpr std::int64_t usual = 2000;
+  if (rows <= usual) return;
+  progress.clear();
+  const double size = static_cast<double>(rows);
+  // Two matrices of complex numbers and as much to work in.
+  (void)std::fputs(
+      fmt::format("alcap field: --method dense is for small meshes: with {} vertices it takes some {:.2g} GB "
+                  "and time that grows with the third power; Ctrl-C ends it\n",
+                  grouped(rows), 4 * 16 * size * size / 1e9)
+          .c_str(),
+      stderr);
+}
 
 std::string phase_text(std::string_view phase, std::int64_t faces) {
   const std::map<std::string_view, std::string> words{{"mesh", "building the mesh"},
@@ -208,6 +225,7 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   const std::int64_t faces = file.F.rows();
   times.read = total.seconds();
 
+  if (options.run.eigen.method == "dense" && !common.quiet) warn_of_dense(file.V.rows(), progress);
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
   if (!options.features.empty()) options.run.align->edges = read_features(file, options.features);
   const FieldRun result = run_on(options, file);

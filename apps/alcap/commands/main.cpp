@@ -4,11 +4,13 @@
 // failure) into stdout, stderr, a report file and an exit code. Subcommands print nothing themselves.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <memory>
 #include <new>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
@@ -180,6 +182,36 @@ void keep_freed_memory() {
 #endif
 }
 
+/// Insertions, deletions, exchanges of one letter or of two neighbours that make b of a.
+std::size_t distance_between(std::string_view a, std::string_view b) {
+  std::vector<std::vector<std::size_t>> d(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        d[i][j] = i + j;
+        continue;
+      }
+      d[i][j] = std::min({d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (a[i - 1] == b[j - 1] ? 0U : 1U)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+    }
+  return d[a.size()][b.size()];
+}
+
+/// "; did you mean field?" for a first word that is nearly a command; empty otherwise.
+std::string meant(int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return {};
+  const std::string_view word = argv[1];
+  std::string best;
+  std::size_t least = 1 + word.size() / 3;  // letters that may be wrong
+  for (const Command* command : all_commands)
+    if (const std::size_t d = distance_between(word, command->name); d > 0 && d <= least) {
+      least = d - 1;
+      best = command->name;
+    }
+  return best.empty() ? best : fmt::format("; did you mean alcap {}?", best);
+}
+
 int start(int argc, char** argv) {
 #ifdef ALCAP_WITH_PETSC
   const auto petsc = register_petsc_backends();
@@ -217,7 +249,8 @@ int start(int argc, char** argv) {
   } catch (const cli::ParseError& e) {
     const std::string name = app.parsed_subcommand();
     return complain(name, json, Exit::usage,
-                    fmt::format("{} (see alcap{}{} --help)", e.what(), name.empty() ? "" : " ", name));
+                    fmt::format("{} (see alcap{}{} --help){}", e.what(), name.empty() ? "" : " ", name,
+                                name.empty() ? meant(argc, argv) : ""));
   }
   if (version) {
     print(version_text());

@@ -55,15 +55,63 @@ StudioSession::StudioSession(const Surface& surface, DesignFile design, std::fil
     : surface_(surface), file_(std::move(file)), lock_(file_), solver_(surface) {
   check_design(design, surface.mesh());
   now_ = {.design = std::move(design), .result = nullptr};
-  try {
-    now_.result = solver_.solve(now_.design);
-  } catch (const Error& e) {
-    // A saved design may be unfinished, such as cones without the right sum: start with the field of an empty one.
-    now_.problem = e.what();
-    DesignFile empty;
-    empty.n = now_.design.n;
-    now_.result = solver_.solve(empty);
+  if (surface_.mesh().faces() < large) {
+    start();
+    if (failed_) std::rethrow_exception(failed_);
+  } else {
+    starter_ = std::thread([this] { start(); });
   }
+}
+
+StudioSession::~StudioSession() {
+  if (starter_.joinable()) starter_.join();
+}
+
+namespace {
+
+/// A design that has the directions of this one without a factorisation; none where it asks for more.
+std::optional<DesignFile> quick_version(const DesignFile& design) {
+  const bool plain = design.method == DesignMethod::variational && design.singularities.empty() &&
+                     design.fixed.empty() && design.strokes.empty() && !design.boundary.wanted &&
+                     !design.features.wanted && design.guidance.source == DesignGuidance::Source::smoothest &&
+                     design.guidance.weights.empty();
+  if (!plain) return std::nullopt;
+  DesignFile quick = design;
+  quick.guidance = {};
+  return quick;
+}
+
+}  // namespace
+
+void StudioSession::start() {
+  const std::lock_guard change(changes_);
+  try {
+    const auto quick = quick_version(now_.design);
+    if (quick && surface_.mesh().faces() >= large) publish(solver_.solve(*quick));
+    publish(solver_.solve(now_.design));
+  } catch (const Error& e) {
+    try {
+      // A saved design may be unfinished, such as cones without the right sum: start with the field of an empty one.
+      DesignFile empty;
+      empty.n = now_.design.n;
+      publish(solver_.solve(empty), e.what());
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      failed_ = std::current_exception();
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failed_ = std::current_exception();
+  }
+  moved_.notify_all();
+}
+
+void StudioSession::publish(std::shared_ptr<const StudioResult> result, std::string problem) {
+  const std::lock_guard lock(mutex_);
+  now_.result = std::move(result);
+  now_.problem = std::move(problem);
+  ++revision_;
+  moved_.notify_all();
 }
 
 StudioState StudioSession::state_locked() const {
@@ -76,13 +124,15 @@ StudioState StudioSession::state_locked() const {
 }
 
 StudioState StudioSession::state() const {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
+  moved_.wait(lock, [&] { return now_.result || failed_; });
+  if (!now_.result) std::rethrow_exception(failed_);
   return state_locked();
 }
 
 std::uint64_t StudioSession::result() const {
   const std::lock_guard lock(mutex_);
-  return result_locked()->id;
+  return result_locked() ? result_locked()->id : 0;
 }
 
 template <class Shift>
@@ -170,6 +220,7 @@ StudioState StudioSession::show_mode(int k) {
     solved = now_.result;
     s = now_.design.s;
   }
+  if (!solved) return state();
   std::shared_ptr<const StudioResult> mode;
   if (k != 0) mode = solver_.mode(*solved, s, k);
   const std::lock_guard lock(mutex_);

@@ -7,12 +7,14 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "apps/alcap/studio/studio_solver.h"
@@ -51,9 +53,13 @@ class DesignLock {
 
 class StudioSession {
  public:
-  /// Solves `design`. Edits are saved to `file`, which appears complete or not at all, before they count. Throws what
+  /// Solves `design`, on large surfaces from a thread of its own, while the page can already show them; who asks for
+  /// the state waits. Edits are saved to `file`, which appears complete or not at all, before they count. Throws what
   /// solving throws, and Failure(output) when another studio has the file.
   StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file);
+  ~StudioSession();
+  StudioSession(const StudioSession&) = delete;
+  StudioSession& operator=(const StudioSession&) = delete;
 
   /// Replaces the design by the one in the text (JSON). Edits with the same `gesture`, other than "", are one step of
   /// the history. Throws FileError and OptionError for designs that are not well-formed, too large or not of this
@@ -66,6 +72,7 @@ class StudioSession {
   /// Shows the k-th smoothest field instead of the design's, until the next change; 0: the design's again. The design,
   /// its file and its history stay as they are. Throws OptionError.
   StudioState show_mode(int k);
+  /// Throws what the first solve threw.
   [[nodiscard]] StudioState state() const;
   /// Number of the present result; for asking often.
   [[nodiscard]] std::uint64_t result() const;
@@ -80,8 +87,11 @@ class StudioSession {
     std::shared_ptr<const StudioResult> result;
     std::string problem = {};
   };
+  static constexpr Index large = 200'000;              // faces: found in the background
   static constexpr std::size_t longest_history = 200;  // steps; a field of 25,000 vertices is 0.5 MB
 
+  void start();
+  void publish(std::shared_ptr<const StudioResult> result, std::string problem = {});
   [[nodiscard]] StudioState state_locked() const;
   [[nodiscard]] const std::shared_ptr<const StudioResult>& result_locked() const {
     return shown_ ? shown_ : now_.result;
@@ -101,7 +111,9 @@ class StudioSession {
   std::shared_ptr<const StudioResult> shown_;  // a mode; null: the result of now_
   std::vector<Step> past_, future_;
   std::string gesture_;
-  std::uint64_t revision_ = 1;
+  std::uint64_t revision_ = 0;  // counts from 1, the first result
+  std::exception_ptr failed_;   // of the first solve
+  std::thread starter_;
 };
 
 }  // namespace alcap::app

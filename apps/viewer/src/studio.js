@@ -23,7 +23,12 @@ const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'S
 export async function startStudio(stage, ui, boot) {
   const mesh = await ask('/api/mesh');
   const app = new Studio(stage, ui, mesh, boot);
+  // Large surfaces are here before their first field: to be looked at, not to be edited.
+  ui.inert = true;
+  app.status.textContent = 'Finding the first field…';
+  document.getElementById('veil').hidden = true;
   await app.store.load();
+  ui.inert = false;
   return app;
 }
 

@@ -89,7 +89,7 @@ void check(const FieldOutput& out) {
       throw OptionError("singularities", "face " + std::to_string(s.face), "must be a face of this mesh");
     }
   }
-  std::set<std::string_view> names = {"K", "index"};
+  std::set<std::string_view> names = {"K", "index", "index_rgb"};
   for (const FaceScalars& s : out.face_scalars) {
     if (s.name.empty() || !names.insert(s.name).second) {
       throw OptionError("face_scalars", "\"" + s.name + "\"",

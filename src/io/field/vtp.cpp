@@ -20,6 +20,14 @@ DataArray vectors(std::string name, const Positions<double>& rows) {
                           [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
 }
 
+/// The colours that positive and negative indices have in every picture (Okabe and Ito 2008), for readers that take
+/// three bytes as they are; light grey for 0.
+void put_colour(int index, std::uint8_t* x) {
+  static constexpr std::uint8_t positive[3] = {213, 94, 0}, negative[3] = {0, 114, 178}, plain[3] = {235, 229, 216};
+  const std::uint8_t* const colour = index > 0 ? positive : index < 0 ? negative : plain;
+  for (int c = 0; c < 3; ++c) x[c] = colour[c];
+}
+
 void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<std::int32_t>& index) {
   const Field& field = out.field;
   const Branches branches(field.n);
@@ -56,6 +64,8 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
   in_faces.arrays.push_back(scalars("K", faces, out.surface.connection().K.data()));
   in_faces.arrays.push_back(array<std::int32_t, 1>(
       "index", faces, [&](std::int64_t t, std::int32_t* x) { x[0] = index[static_cast<std::size_t>(t)]; }));
+  in_faces.arrays.push_back(array<std::uint8_t, 3>(
+      "index_rgb", faces, [&](std::int64_t t, std::uint8_t* x) { put_colour(index[static_cast<std::size_t>(t)], x); }));
   for (const FaceScalars& s : out.face_scalars) in_faces.arrays.push_back(scalars(s.name, faces, s.values.data()));
 
   write_polydata(file, field.n,
@@ -82,6 +92,7 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
       "PointData",
       " Scalars=\"index\"",
       {array<std::int32_t, 1>("index", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).index; }),
+       array<std::uint8_t, 3>("index_rgb", count, [&](std::int64_t i, std::uint8_t* x) { put_colour(at(i).index, x); }),
        array<double, 1>("orientation", count, [&](std::int64_t i, double* x) { x[0] = at(i).orientation; }),
        array<std::int32_t, 1>("face", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).face; }),
        array<double, 3>("barycentric", count,
