@@ -87,8 +87,11 @@ void StudioSession::start() {
   const std::lock_guard change(changes_);
   try {
     const auto quick = quick_version(now_.design);
-    if (quick && surface_.mesh().faces() >= large) publish(solver_.solve(*quick));
-    publish(solver_.solve(now_.design));
+    const bool shown = quick && surface_.mesh().faces() >= large;
+    if (shown) publish(solver_.solve(*quick));
+    // Prepares the first edit. The field differs from the one that is shown by a factor alone: nobody is told.
+    auto solved = solver_.solve(now_.design);
+    if (!shown) publish(std::move(solved));
   } catch (const Error& e) {
     try {
       // A saved design may be unfinished, such as cones without the right sum: start with the field of an empty one.

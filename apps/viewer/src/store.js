@@ -117,7 +117,7 @@ export class Store {
       for (const part of this.listeners.parts()) {
         if (this.loaded[part] === result) continue;
         const pack = await ask('/api/details', { result, part }, { signal });
-        if (signal.aborted || result !== this.result) return;
+        if (!pack || signal.aborted || result !== this.result) return;
         this.loaded[part] = result;
         this.listeners.details(pack, part);
       }

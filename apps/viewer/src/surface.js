@@ -99,7 +99,7 @@ export class Surface {
 
   makeCoarse() {
     if (!this.coarse) {
-      const made = coarsen(this.positions, this.normals, this.faces, this.smooth.boundingSphere.radius / 90);
+      const made = coarsen(this.positions, this.normals, this.faces, this.smooth.boundingSphere.radius / 45);
       this.coarse = geometryOf(made);
       this.originals = made.faces;
     }
