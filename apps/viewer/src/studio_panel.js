@@ -50,7 +50,7 @@ export function fieldSection(app) {
     hold.hidden = !design.guidance?.field || design.guidance.field === 'none';
     hold.set(design.guidance?.weight ?? 1);
     energy.set(design.s || 0);
-    boundary.hidden = !app.view.meta.boundary || eigen;
+    boundary.hidden = !app.view.meta.boundary;
     boundary.set(Boolean(design.boundary));
     features.refresh(design, reports);
     // Principal directions are lines; the eigen method stays close to nothing.
@@ -108,8 +108,6 @@ function setMethod(design, method) {
   }
   design.method = method;
   delete design.guidance;
-  delete design.boundary;
-  delete design.fixed;
   for (const s of design.singularities || []) delete s.pin;
   for (const s of design.strokes || []) delete s.radius;
 }
