@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 #
 # portable.sh [--all] [ctest options]: builds with ALCAP_PORTABLE, in build/portable, what other systems get: no POSIX
-# files, no signals, no pictures, no studio. Checks that no such call is left, and runs tests of files, meshes, fields
+# files, no signals, no pictures, no studio. Checks that no such call is left, and runs tests of files
 # and the tool there; --all: every test that such a build has. Without optimisation, to be built soon.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-programs=(alcap_cli test_base test_mesh test_field test_io) chosen='^(array|numbers|names|mesh|mesh_repair|sharp_edges|surface|topology|field|sizing|mesh_io|output|element_tables|handoff|matrix_file)$'
+programs=(alcap_cli test_base test_io) chosen='^(array|numbers|names|mesh_io|output|element_tables|handoff|matrix_file|edge_lengths)$'
 case ${1:-} in
   --all) programs=(all) chosen=.; shift ;;
   -h | --help) sed -n '4,6s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
