@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 #
-# The page as an object file, alcap_embed_page(target), and the library that serves it, alcap_link_studio(target).
+# The page as an object file, alcap_embed_page(target), and the library that serves it, alcap_link_studio(target server.cpp).
 # Included by apps/alcap/report.cmake.
 function(alcap_embed_page target)
   set(source ${PROJECT_SOURCE_DIR}/apps/viewer)
@@ -21,10 +21,9 @@ endfunction()
 
 # cpp-httplib is compiled (Debian, with TLS and compression, which change its classes) or header-only. Without it
 # `alcap studio` says what is missing.
-function(alcap_link_studio target)
-  find_path(ALCAP_HTTPLIB_INCLUDE_DIR httplib.h DOC "Folder that holds httplib.h (Debian: libcpp-httplib-dev)")
+function(alcap_link_studio target server)
   find_library(ALCAP_HTTPLIB_LIBRARY cpp-httplib DOC "cpp-httplib, if compiled")
-  mark_as_advanced(ALCAP_HTTPLIB_INCLUDE_DIR ALCAP_HTTPLIB_LIBRARY)
+  mark_as_advanced(ALCAP_HTTPLIB_LIBRARY)
   if(NOT ALCAP_HTTPLIB_INCLUDE_DIR)
     message(STATUS "alcap: no studio. On Debian: apt-get install libcpp-httplib-dev")
     return()
@@ -35,6 +34,6 @@ function(alcap_link_studio target)
     list(APPEND definitions CPPHTTPLIB_OPENSSL_SUPPORT CPPHTTPLIB_ZLIB_SUPPORT CPPHTTPLIB_BROTLI_SUPPORT)
     target_link_libraries(${target} PRIVATE ${ALCAP_HTTPLIB_LIBRARY})
   endif()
-  set_source_files_properties(studio/studio_server.cpp PROPERTIES COMPILE_DEFINITIONS "${definitions}")
+  set_source_files_properties(${server} PROPERTIES COMPILE_DEFINITIONS "${definitions}")
   target_link_libraries(${target} PRIVATE Threads::Threads)
 endfunction()

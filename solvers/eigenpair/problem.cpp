@@ -132,9 +132,12 @@ std::vector<double> ritz_values(const EigenProblem& problem, const MatrixX<std::
 }
 
 HermitianMatrix shifted(const EigenProblem& problem, double sigma) {
-  if (problem.transport == nullptr) return problem.S - sigma * problem.M;
-  // The same pattern: entry by entry.
-  HermitianMatrix A = problem.S;
+  HermitianMatrix A;  // assigned: Eigen's constructors leak where memory runs out in the middle of them
+  if (problem.transport == nullptr) {
+    A = problem.S - sigma * problem.M;
+    return A;
+  }
+  A = problem.S;  // the same pattern: entry by entry
   std::complex<double>* a = A.valuePtr();
   const std::complex<double>* m = problem.M.valuePtr();
   parallel_for(A.nonZeros(), [=](std::int64_t k) { a[k] -= sigma * m[k]; });

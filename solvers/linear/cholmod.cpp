@@ -203,14 +203,14 @@ class Cholmod final : public LinearSolver<Scalar> {
     for (Eigen::Index c = 0; c < B.outerSize(); ++c)
       for (typename SparseMatrix<Scalar>::InnerIterator it(B, c); it; ++it)
         half.values(place(position_[static_cast<std::size_t>(it.row())]), c) += it.value();
-    MatrixX<Scalar> update;
     for (const SuiteSparse_long s : reached) {
       const Eigen::Index width = super[s + 1] - super[s], height = pi[s + 1] - pi[s];
       const Eigen::Map<const MatrixX<Scalar>> block(x + px[s], height, width);
       auto own = half.values.middleRows(place(super[s]), width);
       block.topRows(width).template triangularView<Eigen::Lower>().solveInPlace(own);
       if (height == width) continue;
-      update.noalias() = block.bottomRows(height - width) * own;
+      // A new one each time: a matrix of Eigen that gets no memory for its next size frees the last one twice.
+      const MatrixX<Scalar> update = block.bottomRows(height - width) * own;
       for (Eigen::Index i = 0; i < height - width; ++i) half.values.row(place(row[pi[s] + width + i])) -= update.row(i);
     }
     return half;

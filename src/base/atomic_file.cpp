@@ -71,7 +71,9 @@ void AtomicFile::create() {
   for (int attempt = 0; attempt < 100 && descriptor_ < 0; ++attempt) {
     temporary_ = temporary_name(final_);
     descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0 && errno != EEXIST) break;
+    if (descriptor_ >= 0 || errno == EEXIST) continue;
+    if (errno != EINTR) break;
+    after_signal();
   }
   if (descriptor_ < 0) {
     const int error = errno;
@@ -106,8 +108,10 @@ void AtomicFile::complete() {
   if (descriptor_ < 0) fail("written twice or after a failure", 0);
   flush();
   // Pipes have no disk behind them, and some file systems no fsync.
-  if (!temporary_.empty() && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS)
-    fail("the disk did not take it", errno);
+  while (!temporary_.empty() && ::fsync(descriptor_) != 0 && errno != EINVAL && errno != ENOSYS) {
+    if (errno != EINTR) fail("the disk did not take it", errno);
+    after_signal();
+  }
   complete_ = true;
 }
 
@@ -119,7 +123,8 @@ void AtomicFile::commit() {
     temporary_.clear();
     sync_folder(folder_of(final_));
   }
-  if (::close(std::exchange(descriptor_, -1)) != 0) fail("closing failed", errno);
+  // Interrupted, it is closed all the same, on Linux.
+  if (::close(std::exchange(descriptor_, -1)) != 0 && errno != EINTR) fail("closing failed", errno);
 }
 
 void AtomicFile::discard() noexcept {

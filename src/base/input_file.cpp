@@ -26,7 +26,8 @@ class Reader {
   Reader(const std::filesystem::path& path, const InputLimits& limits)
       : path_(path), limits_(limits), largest_(limits.largest > 0 ? limits.largest : half_of_memory()) {
     // Without waiting: a pipe without a writer would hold this call until there is one.
-    descriptor_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    constexpr int how = O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY;
+    while ((descriptor_ = ::open(path.c_str(), how)) < 0 && errno == EINTR) check_cancelled();
     if (descriptor_ < 0) fail_to_open(errno);
   }
   Reader(const Reader&) = delete;

@@ -10,6 +10,15 @@ target_sources(test_cli PRIVATE ../apps/alcap/tables/tables.cpp ../apps/alcap/ta
   ../apps/alcap/tables/tables_print.cpp ../apps/alcap/tables/tables_published.cpp ../apps/alcap/tables/tables_shapes.cpp)
 target_compile_definitions(test_cli PRIVATE ALCAP_CLI="$<TARGET_FILE:alcap_cli>")
 add_dependencies(test_cli alcap_cli)
+# Calls of the system that go wrong while the tool runs.
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize")
+  add_library(alcap_fault_preload MODULE faults/fault_preload.cpp)
+  alcap_private_flags(alcap_fault_preload)
+  target_compile_options(alcap_fault_preload PRIVATE -U_FORTIFY_SOURCE)
+  target_link_libraries(alcap_fault_preload PRIVATE ${CMAKE_DL_LIBS})
+  target_compile_definitions(test_cli PRIVATE ALCAP_FAULT_PRELOAD="$<TARGET_FILE:alcap_fault_preload>")
+  add_dependencies(test_cli alcap_fault_preload)
+endif()
 
 # Pictures are looked at where libpng is; other programs read what the tool writes where they are installed.
 get_target_property(alcap_cli_definitions alcap_cli COMPILE_DEFINITIONS)

@@ -31,7 +31,7 @@ std::map<std::string, std::string> files_of(const MeshData& s, const FieldRunOpt
 
 }  // namespace
 
-TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
+TEST_CASE("a whole run and its files are the same for 1, 2, 4 and 8 threads") {
   // Large enough for every loop to be shared; open, and with vertices that no face uses.
   for (const MeshData& s : {noisy_scan(5, 0.1, 3), with_unreferenced(torus_random_diagonals(120, 60, 1, 0.4, 2))}) {
     for (const int n : {1, 4}) {
@@ -41,7 +41,7 @@ TEST_CASE("a whole run and its files are the same for 1, 2 and 4 threads") {
       const auto expected = files_of(s, options, one);
       CHECK(one.certificate.holds());
       CHECK(expected.size() >= field_formats().size());
-      for (const int threads : {2, 4}) {
+      for (const int threads : {2, 4, 8}) {
         CAPTURE(threads);
         options.threads = threads;
         FieldRun run;

@@ -4,7 +4,7 @@
 #include <tbb/global_control.h>
 
 int main(int argc, char** argv) {
-  // Up to four threads on any machine, so that tests of thread independence mean something on two cores.
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 4);
+  // Up to eight threads on any machine, so that tests of thread independence mean something on two cores.
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 8);
   return doctest::Context(argc, argv).run();
 }

@@ -264,6 +264,19 @@ int start(int argc, char** argv) {
   return static_cast<int>(Exit::usage);
 }
 
+/// Memory may run out where nothing can be thrown any more: in words about an error, and in the destructors of
+/// nlohmann's lists and objects, which take some.
+[[noreturn]] void end_without_memory() noexcept {
+  try {
+    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+  } catch (const std::bad_alloc&) {
+    (void)std::fputs("alcap: out of memory\n", stderr);
+    std::_Exit(static_cast<int>(Exit::solver));
+  } catch (...) {  // a bug: ended as always
+  }
+  std::abort();
+}
+
 /// Ends the program without the exit handlers of libraries: where threads could not be started (ulimit -v), OpenBLAS's
 /// waits for them for ever. Sanitizers look for leaks in theirs.
 int leave(int code) {
@@ -282,6 +295,7 @@ int leave(int code) {
 }  // namespace alcap::app
 
 int main(int argc, char** argv) {
+  std::set_terminate(alcap::app::end_without_memory);
   alcap::app::reserve_standard_streams();
   alcap::app::keep_freed_memory();
   alcap::app::Progress silent(false);

@@ -36,7 +36,8 @@ void check_size(const DesignFile& design) {
 DesignLock::DesignLock(const std::filesystem::path& file) {
   const std::filesystem::path full = std::filesystem::absolute(file);
   path_ = full.parent_path() / ("." + full.filename().string() + ".lock");
-  descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  do descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  while (descriptor_ < 0 && errno == EINTR);
   if (descriptor_ < 0) return;  // a folder that cannot be written to is somebody else's complaint
   if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   ::close(descriptor_);

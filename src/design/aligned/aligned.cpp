@@ -172,7 +172,8 @@ class Relaxation {
     const double finest = options_.finest * block_.edge * block_.edge;
     for (double tau = std::max(finest, 1 / piece_.lambda);; tau = std::max(finest, tau * tau_factor)) {
       const bool last = tau <= finest;
-      SparseMatrix<C> A = block_.M;
+      SparseMatrix<C> A;  // assigned: Eigen's constructors leak where memory runs out in the middle of them
+      A = block_.M;
       parallel_for(A.nonZeros(), [&](std::int64_t k) { A.valuePtr()[k] += tau * block_.L.valuePtr()[k]; });
       solver_->set_transport(block_.M);
       solver_->factorise(A);

@@ -37,9 +37,23 @@ Rows sparse(const std::vector<RealRow>& rows, Eigen::Index vertices) {
   return R;
 }
 
-SparseMatrix<double> gram(const Rows& R) { return SparseMatrix<double>(SparseMatrix<double>(R.transpose()) * R); }
+/// A matrix from an expression. Eigen's constructors leak where memory runs out in the middle of them, assignments do
+/// not.
+template <class Matrix, class Expression>
+Matrix made_of(const Expression& expression) {
+  Matrix out;
+  out = expression;
+  return out;
+}
 
-SparseMatrix<C> shifted_by(const SparseMatrix<C>& S, const SparseMatrix<C>& M, double shift) { return S - shift * M; }
+SparseMatrix<double> gram(const Rows& R) {
+  const auto Rt = made_of<SparseMatrix<double>>(R.transpose());
+  return made_of<SparseMatrix<double>>(Rt * R);
+}
+
+SparseMatrix<C> shifted_by(const SparseMatrix<C>& S, const SparseMatrix<C>& M, double shift) {
+  return made_of<SparseMatrix<C>>(S - shift * M);
+}
 
 class Pencil {
  public:
@@ -49,8 +63,8 @@ class Pencil {
         M_(M),
         D_(sparse(rows.across, S.rows())),
         P_(sparse(rows.along, S.rows())),
-        Dt_(D_.transpose()),
-        Pt_(P_.transpose()),
+        Dt_(made_of<SparseMatrix<double>>(D_.transpose())),
+        Pt_(made_of<SparseMatrix<double>>(P_.transpose())),
         size_(size),
         options_(options) {}
 
@@ -87,10 +101,11 @@ class Pencil {
 
   void prepare_real(RealPencil& pencil) {
     real_ = make_linear_solver<double>(solver_options());
-    const SparseMatrix<double> stiffness = real_view(S_) + gram(D_), mass = real_view(M_) + gram(P_);
+    const auto stiffness = made_of<SparseMatrix<double>>(real_view(S_) + gram(D_)),
+               mass = made_of<SparseMatrix<double>>(real_view(M_) + gram(P_));
     for (int attempt = 1;; ++attempt) {
       pencil.shift = attempt == 1 ? -relative_shift / size_ : shift_growth * pencil.shift;
-      const SparseMatrix<double> A = stiffness - pencil.shift * mass;
+      const auto A = made_of<SparseMatrix<double>>(stiffness - pencil.shift * mass);
       if (attempt == 1) real_->analyse(A);
       try {
         real_->factorise(A);
@@ -153,7 +168,7 @@ class Pencil {
     const Eigen::Map<const MatrixX<C>> Bc(reinterpret_cast<const C*>(B.data()), vertices, rank);
     Eigen::Map<MatrixX<C>> Yc(reinterpret_cast<C*>(Y_.data()), vertices, rank);
     (void)complex_->solve(Bc, Yc);
-    Bt_ = Rows(B.transpose().sparseView(0, 0));
+    Bt_ = B.transpose().sparseView(0, 0);
     MatrixX<double> G = Bt_ * Y_;
     G.diagonal().array() += 1;
     factor_.compute(G);

@@ -9,26 +9,25 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <set>
 
 #include "alcap/errors.h"
 #include "src/base/input_file.h"
+#include "src/design/file/json_tree.h"
 #include "src/design/file/problem.h"
 
 namespace alcap {
 namespace {
 
-using Json = nlohmann::json;
+using Json = detail::JsonTree;
 using detail::Problem;
 
-constexpr int deepest = 16;                              // a design nests four levels
+constexpr std::size_t deepest = 16;                      // a design nests four levels
 constexpr std::int64_t largest = std::int64_t{1} << 28;  // bytes; a design of a million stroke points is smaller
 
 std::string shortened(const Json& json) {
   if (json.is_object()) return "an object";
-  if (json.is_array() && json.size() > 8) return "a list of " + std::to_string(json.size());
-  std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (json.is_list() && json.size() > 8) return "a list of " + std::to_string(json.size());
+  std::string text = json.text();
   if (text.size() > 60) text = text.substr(0, 57) + "...";
   return text;
 }
@@ -45,16 +44,17 @@ class Node {
   /// Must be an object with no other keys than these.
   void keys(std::initializer_list<const char*> known) const {
     if (!json_->is_object()) fail("must be an object");
-    for (const auto& [key, value] : json_->items()) {
+    for (std::size_t k = 0; k < json_->size(); ++k) {
+      const std::string& key = json_->key(k);
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       std::string list;
-      for (const char* k : known) list += (list.empty() ? "" : ", ") + std::string(k);
-      Node(value, path_ + "/" + key).fail("unknown key; known are " + list);
+      for (const char* name : known) list += (list.empty() ? "" : ", ") + std::string(name);
+      Node((*json_)[k], path_ + "/" + key).fail("unknown key; known are " + list);
     }
   }
   [[nodiscard]] std::optional<Node> find(const char* key) const {
-    const auto at = json_->find(key);
-    if (at == json_->end()) return std::nullopt;
+    const Json* const at = json_->find(key);
+    if (at == nullptr) return std::nullopt;
     return Node(*at, path_ + "/" + key);
   }
   [[nodiscard]] Node at(const char* key) const {
@@ -62,35 +62,36 @@ class Node {
     fail(std::string("needs the key ") + key);
   }
   [[nodiscard]] std::vector<Node> list() const {
-    if (!json_->is_array()) fail("must be a list");
+    if (!json_->is_list()) fail("must be a list");
     std::vector<Node> nodes;
     for (std::size_t k = 0; k < json_->size(); ++k) nodes.emplace_back((*json_)[k], path_ + "/" + std::to_string(k));
     return nodes;
   }
   [[nodiscard]] double number() const {
-    if (!json_->is_number()) fail("must be a number");
-    return json_->get<double>();
+    if (!json_->scalar().is_number()) fail("must be a number");
+    return json_->scalar().get<double>();
   }
   template <class I>
   [[nodiscard]] I whole() const {
     // 12.0 is a whole number too, as in JSON Schema.
-    const double value = json_->is_number() ? json_->get<double>() : std::numeric_limits<double>::quiet_NaN();
+    const double value =
+        json_->scalar().is_number() ? json_->scalar().get<double>() : std::numeric_limits<double>::quiet_NaN();
     const double limit = std::min(double(std::numeric_limits<I>::max()), 9e15);  // exact in double
     if (!(std::abs(value) <= limit) || value != std::floor(value)) fail("must be a whole number");
     return static_cast<I>(value);
   }
   [[nodiscard]] std::string text() const {
-    if (!json_->is_string()) fail("must be a text");
-    return json_->get<std::string>();
+    if (!json_->scalar().is_string()) fail("must be a text");
+    return json_->scalar().get<std::string>();
   }
   [[nodiscard]] std::array<double, 3> triple() const {
-    if (!json_->is_array() || json_->size() != 3) fail("must be a list of three numbers");
+    if (!json_->is_list() || json_->size() != 3) fail("must be a list of three numbers");
     const std::vector<Node> nodes = list();
     return {nodes[0].number(), nodes[1].number(), nodes[2].number()};
   }
-  [[nodiscard]] bool is_string() const { return json_->is_string(); }
-  [[nodiscard]] bool is_bool() const { return json_->is_boolean(); }
-  [[nodiscard]] bool boolean() const { return json_->get<bool>(); }
+  [[nodiscard]] bool is_string() const { return json_->scalar().is_string(); }
+  [[nodiscard]] bool is_bool() const { return json_->scalar().is_boolean(); }
+  [[nodiscard]] bool boolean() const { return json_->scalar().get<bool>(); }
 
  private:
   const Json* json_;
@@ -388,32 +389,6 @@ DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
   return design;
 }
 
-/// Parses, and refuses what the JSON library would let pass: keys given twice, absurd depth.
-Json parse_json(std::string_view text, const std::string& name) {
-  std::vector<std::set<std::string>> open;
-  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-    if (depth > deepest) throw FileError(name + ": nested too deeply for a design", name);
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key && !open.back().insert(value.get<std::string>()).second)
-      throw FileError(name + ": the key " + value.dump() + " is given twice in one object", name);
-    return true;
-  };
-  try {
-    return Json::parse(text.begin(), text.end(), watch);
-  } catch (const Json::parse_error& e) {
-    const auto end = std::min(e.byte, text.size());
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(end), '\n');
-    const std::string what = e.what();
-    const auto colon = what.find(": ", what.find("column"));
-    throw FileError(name + ":" + std::to_string(line) +
-                        ": not JSON: " + (colon == std::string::npos ? what : what.substr(colon + 2)),
-                    name, line, static_cast<std::int64_t>(end));
-  } catch (const Json::exception& e) {
-    throw FileError(name + ": not usable JSON: " + e.what(), name);
-  }
-}
-
 /// The text of a file, and its name for messages.
 std::string read_text(const std::filesystem::path& path) {
   const detail::InputFile file(path, {.what = "design file", .largest = largest});
@@ -425,7 +400,7 @@ std::string read_text(const std::filesystem::path& path) {
 }  // namespace
 
 DesignFile parse_design(std::string_view text, const std::string& name, const std::filesystem::path& folder) {
-  const Json json = parse_json(text, name);
+  const Json json = detail::parse_json(text, name, deepest);
   try {
     DesignFile design = read_all(Node(json, ""), folder);
     detail::check_design_values(design);
@@ -441,7 +416,7 @@ DesignFile read_design(const std::filesystem::path& path) {
 
 ConnectionTarget read_connection_target(const std::filesystem::path& path) {
   const std::string name = path.string();
-  const Json json = parse_json(read_text(path), name);
+  const Json json = detail::parse_json(read_text(path), name, deepest);
   try {
     return read_target(Node(json, ""));
   } catch (const Problem& p) {

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: MIT
 //
 // write.cpp: designs as JSON text. Keys whose value is the default are left out.
+#include <array>
 #include <charconv>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "alcap/design_file.h"
 #include "src/base/atomic_file.h"
+#include "src/design/file/json_tree.h"
 #include "src/design/file/problem.h"
 
 namespace alcap {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using Json = detail::JsonTree;
 
 void write_place(Json& json, const char* element, Index number, const std::optional<Vector3>& at) {
   if (at)
@@ -56,7 +57,7 @@ Json json_of(const DesignStroke& s) {
   if (!s.name.empty()) json["name"] = s.name;
   if (!s.vertices.empty()) json["vertices"] = s.vertices;
   if (!s.path.empty()) json["path"] = s.path;
-  Json points = Json::array();
+  Json points = Json::list();
   for (const DesignPoint& p : s.points) {
     Json point = Json::object();
     write_place(point, "face", p.face, p.at);
@@ -76,8 +77,16 @@ Json json_of(const DesignConnection& c) {
   if (c.detail != standard.detail) json["detail"] = c.detail;
   if (c.length_factor != standard.length_factor) json["length_factor"] = name(c.length_factor);
   if (c.tan_cap != standard.tan_cap) json["tan_cap"] = c.tan_cap;
-  for (const Cone& cone : c.cones) json["cones"].push_back({{"vertex", cone.vertex}, {"index", cone.index}});
-  for (const DesignConeAt& cone : c.cones_at) json["cones"].push_back({{"at", cone.at}, {"index", cone.index}});
+  for (const Cone& cone : c.cones) {
+    Json& one = json["cones"].push_back(Json::object());
+    one["vertex"] = cone.vertex;
+    one["index"] = cone.index;
+  }
+  for (const DesignConeAt& cone : c.cones_at) {
+    Json& one = json["cones"].push_back(Json::object());
+    one["at"] = cone.at;
+    one["index"] = cone.index;
+  }
   if (c.balance) json["balance"] = true;
   if (!c.holonomy.empty()) json["holonomy"] = c.holonomy;
   if (!c.loops.empty()) json["loops"] = c.loops;
@@ -93,15 +102,22 @@ Json json_of(const DesignConnection& c) {
 }
 
 Json json_of(const DesignEdit& e) {
+  Json json = Json::object();
   switch (e.type) {
     case DesignEdit::Type::move:
-      return {{"move", e.which}, {"to", e.to}};
+      json["move"] = e.which;
+      json["to"] = e.to;
+      break;
     case DesignEdit::Type::merge:
-      return {{"merge", {e.which, e.other}}};
+      json["merge"] = std::array{e.which, e.other};
+      break;
     case DesignEdit::Type::split:
+      json["split"] = e.which;
+      json["to"] = e.to;
+      json["count"] = e.count;
       break;
   }
-  return {{"split", e.which}, {"to", e.to}, {"count", e.count}};
+  return json;
 }
 
 template <class T>
@@ -116,7 +132,10 @@ std::string design_text(const DesignFile& design) {
   Json json = Json::object();
   json["alcap_design"] = design_version;
   if (!design.comment.empty()) json["comment"] = design.comment;
-  if (design.mesh) json["mesh"] = {{"vertices", design.mesh->vertices}, {"faces", design.mesh->faces}};
+  if (design.mesh) {
+    json["mesh"]["vertices"] = design.mesh->vertices;
+    json["mesh"]["faces"] = design.mesh->faces;
+  }
   json["n"] = design.n;
   if (design.method == DesignMethod::eigen) json["method"] = "eigen";
   if (design.s != 0) json["s"] = design.s;
@@ -146,7 +165,7 @@ std::string design_text(const DesignFile& design) {
   }
   write_list(json, "edits", design.edits);
   // Texts from outside JSON may hold anything; what is not UTF-8 is replaced.
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.text(2) + "\n";
 }
 
 void write_design(const std::filesystem::path& path, const DesignFile& design) {

@@ -120,7 +120,8 @@ struct Designer::State {
   template <class Change>
   void reweight(Change&& change) {
     const DesignerOptions options_before = options;
-    SparseMatrix<C> weighted_before = weighted;
+    SparseMatrix<C> weighted_before;  // assigned: Eigen's constructors leak where memory runs out in the middle of them
+    weighted_before = weighted;
     const bool singular_before = singular;
     change();
     try {

@@ -75,7 +75,9 @@ void Designer::State::check_t() const {
   if (!options.t || *options.t < 0) return;
   // Only whether lambda_1 lies above matters: a few digits do. Vertices that no face uses get an eigenvalue far
   // above.
-  SparseMatrix<C> S = S2, mass = M;
+  SparseMatrix<C> S, mass;  // assigned: Eigen's constructors leak where memory runs out in the middle of them
+  S = S2;
+  mass = M;
   const double tiny = 1e-6 * M.coeffs().cwiseAbs().maxCoeff();
   for (Index v = 0; v < mesh.vertices(); ++v)
     if (!mesh.referenced(v)) {
@@ -183,7 +185,8 @@ void Designer::State::find_parallel() {
   const Topology& topology = surface.topology();
   parallel.assign(topology.components.size(), 1);
   if (parallel.size() == 1) return;
-  SparseMatrix<C> lifted = S2;
+  SparseMatrix<C> lifted;
+  lifted = S2;
   for (Index k = 0; k < lifted.nonZeros(); ++k) lifted.valuePtr()[k] += lift * unit() * M.valuePtr()[k];
   const auto probe = make_linear_solver<C>({.name = options.solver, .right_hand_sides = probes});
   probe->set_transport(M);

@@ -1,0 +1,34 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: MIT
+#
+# arm64.sh [ctest options]: builds the library and its tests for 64-bit ARM with Debian's cross compiler and runs them under qemu
+# (the quick ones, unless ctest options say otherwise). Libraries are unpacked into build/arm64-libraries; nothing of the system changes
+# but for the compiler and qemu.
+. "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
+
+if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
+  sed -n '4,6s/^# //p' "${BASH_SOURCE[0]}"
+  exit 0
+fi
+[ $# -gt 0 ] || set -- -L quick
+install_packages "${build_packages[@]}" ccache g++-12-aarch64-linux-gnu qemu-user
+libraries=$root/build/arm64-libraries
+if ! [ -e "$libraries/complete" ]; then
+  say "Fetching the libraries for arm64"
+  work=$(mktemp -d)
+  trap 'rm -rf "$work"' EXIT
+  mkdir -p "$work/lists/partial" "$work/cache/archives/partial" "$libraries"
+  : >"$work/status"
+  # An apt of its own that knows arm64 alone and believes that nothing is installed.
+  foreign=(apt-get -q -o APT::Architecture=arm64 -o APT::Architectures=arm64 -o "Dir::State::Lists=$work/lists"
+    -o "Dir::State::status=$work/status" -o "Dir::Cache=$work/cache" -o Debug::NoLocking=true -o APT::Sandbox::User=)
+  "${foreign[@]}" update >"$log" 2>&1 || die "the list of packages for arm64 could not be fetched; see $log"
+  "${foreign[@]}" install -y --no-install-recommends --download-only libtbb-dev libsuitesparse-dev libopenblas-dev \
+    libstdc++-12-dev libeigen3-dev libspectra-dev libfast-float-dev nlohmann-json3-dev doctest-dev >>"$log" 2>&1 || die "the libraries for arm64 could not be fetched; see $log"
+  for package in "$work"/cache/archives/*.deb; do dpkg -x "$package" "$libraries"; done
+  touch "$libraries/complete"
+fi
+build arm64
+say "Running the tests under qemu"
+cd "$root/build/arm64"
+ctest --output-on-failure --no-tests=error -j "$(nproc)" "$@" || die "some tests failed; their output is above."
