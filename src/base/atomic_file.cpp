@@ -30,11 +30,13 @@ void after_signal() {
 
 std::vector<std::filesystem::path> find_leftovers(const std::filesystem::path& target) {
   std::vector<std::filesystem::path> found;
-  const std::string prefix = prefix_of(target);
+  // Also of files beside it: x_singularities.vtp beside x.vtp.
+  const std::string prefix = "." + target.stem().string().substr(0, 200);  // names are cut there
   std::error_code error;
   std::filesystem::directory_iterator entries(folder_of(target), error);
   for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
-    if (!entries->path().filename().string().starts_with(prefix)) continue;
+    const std::string name = entries->path().filename().string();
+    if (!name.starts_with(prefix) || name.find(".tmp-") == std::string::npos) continue;
     const int descriptor = ::open(entries->path().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
     if (descriptor < 0) continue;
     if (::flock(descriptor, LOCK_EX | LOCK_NB) == 0) found.push_back(entries->path());

@@ -52,9 +52,9 @@ struct Run {
 Run run_with(const CliFolder& folder, const std::string& fault, const std::string& arguments) {
   const auto mark = folder.work().parent_path() / "mark";
   std::filesystem::remove(mark);
-  const int exit =
-      folder.shell("OPENBLAS_NUM_THREADS=1 ALCAP_FAULT=" + fault + " ALCAP_FAULT_MARK='" + mark.string() +
-                   "' LD_PRELOAD='" ALCAP_FAULT_PRELOAD "' $ALCAP " + arguments + " >../out 2>../err\nexit $?\n");
+  const int exit = folder.shell(
+      "exec 2>/dev/null; OPENBLAS_NUM_THREADS=1 ALCAP_FAULT=" + fault + " ALCAP_FAULT_MARK='" + mark.string() +
+      "' LD_PRELOAD='" ALCAP_FAULT_PRELOAD "' $ALCAP " + arguments + " >../out 2>../err\nexit $?\n");
   return {exit, std::filesystem::exists(mark)};
 }
 

@@ -2,6 +2,7 @@
 //
 // design_command.cpp: `alcap design`, from a design file or flags to the field that has what was asked for.
 #include <fmt/format.h>
+#include <algorithm>
 
 #include <memory>
 
@@ -123,7 +124,10 @@ Outcome run(const DesignOptionsGiven& options, const Common& common, Progress& p
   const DesignRun result = solve(options, in, progress);
   std::vector<Remark> remarks = in.remarks;
   remarks.insert(remarks.end(), result.remarks.begin(), result.remarks.end());
-  for (Remark& left : leftover_remarks(plan.target)) remarks.push_back(std::move(left));
+  for (const auto& path : {plan.target, common.report})
+    for (Remark& left : leftover_remarks(path))
+      if (std::none_of(remarks.begin(), remarks.end(), [&](const Remark& r) { return r.message == left.message; }))
+        remarks.push_back(std::move(left));
   Json report = design_report(input_json(options.mesh.path, in.file), in.design, result, remarks);
 
   const FieldOutput output = output_of(result, options.unit);

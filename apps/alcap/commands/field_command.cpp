@@ -2,6 +2,7 @@
 //
 // field_command.cpp: `alcap field`, from a mesh to the smoothest n-field, its files and its certificate.
 #include <fmt/core.h>
+#include <algorithm>
 
 #include <cstdio>
 
@@ -236,7 +237,10 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   const ShownCurves shown = trace_show(output, options.show, report);
   const FeatureGraph* const features = result.features ? &result.features->graph : nullptr;
   const VectorX<double> sizing = find_sizing(result.surface, features, options.sizing, report);
-  for (Json& left : remarks_json(leftover_remarks(plan.target), true)) report["warnings"].push_back(std::move(left));
+  Json& warnings = report["warnings"];
+  for (const auto& path : {plan.target, common.report})
+    for (Json& left : remarks_json(leftover_remarks(path), true))
+      if (std::find(warnings.begin(), warnings.end(), left) == warnings.end()) warnings.push_back(std::move(left));
 
   progress.phase("writing");
   const detail::Stopwatch writing;
