@@ -96,7 +96,8 @@ bool NewFolder::make(const std::filesystem::path& path) {
     if (errno == EEXIST) return false;
     throw std::system_error(errno, std::generic_category());
   }
-  descriptor_ = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  do descriptor_ = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  while (descriptor_ < 0 && errno == EINTR);
   if (descriptor_ >= 0) (void)::flock(descriptor_, LOCK_EX | LOCK_NB);
   return true;
 }
