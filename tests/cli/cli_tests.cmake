@@ -11,7 +11,7 @@ target_sources(test_cli PRIVATE ../apps/alcap/tables/tables.cpp ../apps/alcap/ta
 target_compile_definitions(test_cli PRIVATE ALCAP_CLI="$<TARGET_FILE:alcap_cli>")
 add_dependencies(test_cli alcap_cli)
 # Calls of the system that go wrong while the tool runs.
-if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize")
+if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ALCAP_PORTABLE AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize")
   add_library(alcap_fault_preload MODULE faults/fault_preload.cpp)
   alcap_private_flags(alcap_fault_preload)
   target_compile_options(alcap_fault_preload PRIVATE -U_FORTIFY_SOURCE)

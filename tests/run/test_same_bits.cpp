@@ -2,7 +2,6 @@
 //
 // test_same_bits.cpp: fields of every connection, aligned fields, modes, designs and curves have the same bits for 1,
 // 2, 4 and 8 threads, with factorisations too where BLAS has one thread.
-#include <dlfcn.h>
 #include <doctest/doctest.h>
 
 #include <functional>
@@ -13,6 +12,10 @@
 #include "alcap/streamlines.h"
 #include "src/base/parallel.h"
 #include "tests/support/mesh_helpers.h"
+
+#ifdef __linux__
+#include <dlfcn.h>
+#endif
 
 using namespace alcap;
 
@@ -92,8 +95,10 @@ void check_same(const std::vector<Job>& jobs) {
 
 /// The last bits of a factorisation depend on the threads of BLAS.
 void one_blas_thread() {
+#ifdef __linux__
   using Set = void (*)(int);
   if (void* const found = dlsym(RTLD_DEFAULT, "openblas_set_num_threads")) reinterpret_cast<Set>(found)(1);
+#endif
 }
 
 }  // namespace
