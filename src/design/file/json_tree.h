@@ -10,6 +10,7 @@
 #include <ranges>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -21,17 +22,18 @@ class JsonTree {
   using Scalar = nlohmann::json;  // neither list nor object
 
   JsonTree() = default;
+  // NOLINTBEGIN(google-explicit-constructor)
   /// What it stands for in JSON. Lists become lists.
   template <class T>
   requires(!std::same_as<T, JsonTree> && std::constructible_from<std::string_view, T>) JsonTree(const T& text)
-      : scalar_(std::string(std::string_view(text))) {}  // NOLINT(google-explicit-constructor)
+      : scalar_(std::string(std::string_view(text))) {}
   template <class T>
-  requires std::is_arithmetic_v<T> JsonTree(T number) : scalar_(number) {}  // NOLINT(google-explicit-constructor)
+  requires std::is_arithmetic_v<T> JsonTree(T number) : scalar_(number) {}
   template <std::ranges::input_range T>
-  requires(!std::constructible_from<std::string_view, T>) JsonTree(const T& list)
-      : kind_(Kind::list) {  // NOLINT(google-explicit-constructor)
+  requires(!std::constructible_from<std::string_view, T>) JsonTree(const T& list) : kind_(Kind::list) {
     for (const auto& x : list) values_.emplace_back(x);
   }
+  // NOLINTEND(google-explicit-constructor)
   [[nodiscard]] static JsonTree object() { return JsonTree(Kind::object); }
   [[nodiscard]] static JsonTree list() { return JsonTree(Kind::list); }
 
