@@ -3,7 +3,7 @@
 #
 # debian.sh [--keep]: builds the Debian packages from a clean tree of the last commit, in build/debian, has lintian look at
 # them, unpacks them into a tree of their own and tries them there: the tool, a program in C++ and one in C, and Python.
-# --keep: build again in the tree that is there. About ten minutes on two cores.
+# --keep: go on in the tree that is there, without cleaning it. About ten minutes on two idle cores.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 keep=
@@ -24,8 +24,13 @@ if [ -z "$keep" ] || [ ! -d "$tree" ]; then
   tar -C "$work" --exclude=debian -czf "$work/alcap_$version.orig.tar.gz" "alcap-$version"
 fi
 say "Building the packages in $tree"
+# The build has a home of its own; the compiler's cache is that of whoever calls.
+if command -v ccache >/dev/null; then
+  CCACHE_DIR=${CCACHE_DIR:-$(ccache -k cache_dir 2>/dev/null || true)}
+  [ -z "$CCACHE_DIR" ] || export CCACHE_DIR
+fi
 # -d: what is needed may lie elsewhere than in packages. No network: npm is not asked.
-(cd "$tree" && DEB_BUILD_OPTIONS="parallel=$(jobs) noautodbgsym ${DEB_BUILD_OPTIONS:-}" dpkg-buildpackage -us -uc -d) \
+(cd "$tree" && DEB_BUILD_OPTIONS="parallel=$(jobs) noautodbgsym ${DEB_BUILD_OPTIONS:-}" dpkg-buildpackage -us -uc -d ${keep:+-nc}) \
   >"$work/build.log" 2>&1 || { tail -n 30 "$work/build.log" >&2; die "the packages could not be built; see $work/build.log"; }
 
 say "lintian"
