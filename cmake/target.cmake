@@ -9,8 +9,7 @@ function(alcap_private_flags target)
   if(ALCAP_PORTABLE)
     target_compile_definitions(${target} PRIVATE ALCAP_PORTABLE)
   endif()
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion
-    $<IF:$<CXX_COMPILER_ID:GNU>,-Wshadow=local,-Wshadow>
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow
     $<$<BOOL:${ALCAP_WARNINGS_AS_ERRORS}>:-Werror>)
   # gcc 12 raises a false alarm on "text" + std::string (its bug 105651).
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)

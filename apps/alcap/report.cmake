@@ -15,5 +15,6 @@ target_link_libraries(alcap_report PUBLIC alcap::alcap alcap_dep_JSON PRIVATE TB
 include(apps/viewer/page_target.cmake)
 alcap_embed_page(alcap_report)
 alcap_unity(alcap_report)
+alcap_precompile(alcap_report <fmt/core.h> <nlohmann/json.hpp>)
 find_path(ALCAP_HTTPLIB_INCLUDE_DIR httplib.h DOC "Folder that holds httplib.h (Debian: libcpp-httplib-dev)")
 mark_as_advanced(ALCAP_HTTPLIB_INCLUDE_DIR)

@@ -138,7 +138,7 @@ struct DesignConnection {
 struct DesignGuidance {
   /// Where the guidance field comes from.
   enum class Source {
-    none,             ///< no guidance term
+    nothing,          ///< no guidance term
     zero,             ///< towards zero: what makes flat and trivial connections solvable without saying anything else
     smoothest,        ///< the smoothest field of this connection
     curvature,        ///< directions of principal curvature (n even), the largest for n = 2
@@ -146,7 +146,7 @@ struct DesignGuidance {
     strongest_curvature,  ///< the direction of the curvature that is largest by magnitude, whatever its sign
     file,                 ///< a field that alcap wrote, on the same mesh
   };
-  Source source = Source::none;            ///< where the guidance field comes from
+  Source source = Source::nothing;         ///< where the guidance field comes from
   std::filesystem::path file = {};         // as written; read_design makes it relative to the folder of the design
   double weight = 1;                       // see DesignerOptions::guidance_weight
   std::optional<double> t = std::nullopt;  // instead of the weight, see DesignerOptions::t
@@ -155,7 +155,7 @@ struct DesignGuidance {
 template <>
 struct NamesOf<DesignGuidance::Source> {
   static constexpr auto table =
-      detail::name_table<DesignGuidance::Source>({{DesignGuidance::Source::none, "none"},
+      detail::name_table<DesignGuidance::Source>({{DesignGuidance::Source::nothing, "none"},
                                                   {DesignGuidance::Source::zero, "zero"},
                                                   {DesignGuidance::Source::smoothest, "smoothest"},
                                                   {DesignGuidance::Source::curvature, "curvature"},

@@ -8,15 +8,14 @@
 //   for (const auto& [value, text] : alcap::names_of<alcap::Repair>()) ...
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <optional>
 #include <string_view>
 #include <type_traits>
-#include <utility>
 
 namespace alcap {
 
-/// The names of E: specialised with a member `table`, an array of pairs (enumerator, name) in the order of E.
+/// The names of E: specialised with a member `table`, rows of enumerator and name in the order of E.
 template <class E>
 struct NamesOf;
 
@@ -52,10 +51,27 @@ template <Named E>
 
 namespace detail {
 
+template <class E>
+struct EnumName {
+  E value;
+  std::string_view text;
+};
+
+/// Names in the order of E. A plain array: every file that includes alcap pays for what is instantiated here.
+template <class E, std::size_t count>
+struct EnumNames {
+  EnumName<E> rows[count];
+  [[nodiscard]] constexpr const EnumName<E>* begin() const { return rows; }
+  [[nodiscard]] constexpr const EnumName<E>* end() const { return rows + count; }
+  [[nodiscard]] static constexpr std::size_t size() { return count; }
+};
+
 /// For specialisations: static constexpr auto table = detail::name_table<E>({{E::a, "a"}, {E::b, "b"}});
 template <class E, std::size_t count>
-[[nodiscard]] consteval auto name_table(const std::pair<E, std::string_view> (&rows)[count]) {
-  return std::to_array(rows);
+[[nodiscard]] consteval EnumNames<E, count> name_table(const EnumName<E> (&rows)[count]) {
+  EnumNames<E, count> table{};
+  for (std::size_t i = 0; i < count; ++i) table.rows[i] = rows[i];
+  return table;
 }
 
 }  // namespace detail

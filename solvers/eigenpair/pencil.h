@@ -32,7 +32,7 @@ struct FinePencil {
   template <std::size_t N, class Use>
   [[nodiscard]] std::array<double, N> sums(const std::complex<double>* x, Use&& use) const {
     using Sums = std::array<double, N>;
-    const auto multiply = vector_kernels<4>().pencil;
+    const auto both_products = vector_kernels<4>().pencil;
     return parallel_reduce(
         rows(), Sums{},
         [&, raw = raw()](std::int64_t begin, std::int64_t end) {
@@ -40,7 +40,7 @@ struct FinePencil {
           std::complex<double> Sx[gram_tile], Mx[gram_tile];
           for (std::int64_t i = begin; i < end; i += gram_tile) {
             const std::int64_t count = std::min(gram_tile, end - i);
-            multiply(raw, i, i + count, as_pairs(x), as_pairs(Sx), as_pairs(Mx));
+            both_products(raw, i, i + count, as_pairs(x), as_pairs(Sx), as_pairs(Mx));
             use(i, count, Sx, Mx, total);
           }
           return total;

@@ -37,7 +37,7 @@ void remark_free_pieces(const AlignedResult& result, DesignRun& run) {
 
 bool follows_boundary_alone(const DesignFile& placed, const std::vector<DesignControl>& controls) {
   if (!placed.boundary.wanted || placed.method != DesignMethod::variational || placed.n % 2 != 0 || placed.s != 0 ||
-      placed.guidance.source != DesignGuidance::Source::none || placed.guidance.t)
+      placed.guidance.source != DesignGuidance::Source::nothing || placed.guidance.t)
     return false;
   return std::all_of(controls.begin(), controls.end(), [](const DesignControl& c) {
     const auto* const fixed = std::get_if<VertexConstraint>(&c.control);

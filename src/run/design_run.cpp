@@ -134,7 +134,7 @@ void DesignStages::prepare(const DesignFile& placed, const std::vector<DesignCon
   std::string text = designer_key(placed);
   if (text == designer_text_ && designer_) return;
   const DesignGuidance& g = placed.guidance;
-  const bool guided = g.source != Source::none;
+  const bool guided = g.source != Source::nothing;
   held_.clear();
   designer_text_.clear();
   designer_ = std::make_unique<Designer>(connected_,
@@ -320,7 +320,7 @@ bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::
 bool DesignStages::solve_guided(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
                                 DesignRun& run) {
   const Stopwatch watch;
-  const bool lone = controls.empty() && run.design.guidance.source == Source::none;
+  const bool lone = controls.empty() && run.design.guidance.source == Source::nothing;
   say("guidance");
   guide(run.design, lone ? Source::smoothest : run.design.guidance.source);
   run.guidance = guidance_.u;

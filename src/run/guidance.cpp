@@ -41,7 +41,7 @@ ScaledGuidance find_guidance(const ConnectedSurface& surface, const DesignFile& 
   ScaledGuidance out;
   ComplexVectorX<double> u;
   switch (source) {
-    case Source::none:
+    case Source::nothing:
     case Source::zero:
       return out;
     case Source::smoothest: {

@@ -107,9 +107,8 @@ void check_generators(const Mesh& mesh) {
   }
 }
 
-/// Components by repeated relabelling, Euler characteristics by counting, loops by following tips.
-void check_topology(const Mesh& mesh) {
-  const Topology topology = find_topology(mesh);
+/// Components by repeated relabelling: the smallest vertex of each.
+std::vector<Index> labels(const Mesh& mesh) {
   std::vector<Index> label(static_cast<std::size_t>(mesh.vertices()));
   for (std::size_t v = 0; v < label.size(); ++v) label[v] = static_cast<Index>(v);
   for (bool changed = true; changed;) {
@@ -122,6 +121,34 @@ void check_topology(const Mesh& mesh) {
       changed = true;
     }
   }
+  return label;
+}
+
+/// Boundary loops by following tips; counts them by component and returns what is wrong.
+Index check_loops(const Mesh& mesh, const Topology& topology, std::vector<ComponentInfo>& expected) {
+  Index bad = 0;
+  std::set<Index> on_loops;
+  Index last_start = -1;
+  for (const Loop& loop : topology.loops) {
+    ++expected[static_cast<std::size_t>(loop.component)].boundary_loops;
+    bad += loop.halfedges.front() <= last_start;
+    last_start = loop.halfedges.front();
+    bad += *std::min_element(loop.halfedges.begin(), loop.halfedges.end()) != last_start;
+    for (std::size_t k = 0; k < loop.halfedges.size(); ++k) {
+      const Index h = loop.halfedges[k];
+      bad += !mesh.boundary_halfedge(h) || !on_loops.insert(h).second;
+      bad += mesh.tip(h) != mesh.tail(loop.halfedges[(k + 1) % loop.halfedges.size()]);
+      bad += topology.face_component[static_cast<std::size_t>(Mesh::face(h))] != loop.component;
+    }
+  }
+  CHECK(static_cast<Index>(on_loops.size()) == mesh.boundary_edges());
+  return bad;
+}
+
+/// Everything that find_topology() says, counted another way.
+void check_topology(const Mesh& mesh) {
+  const Topology topology = find_topology(mesh);
+  const std::vector<Index> label = labels(mesh);
   std::map<Index, Index> number;  // label to component, in the order of the faces
   std::vector<ComponentInfo> expected;
   Index bad = 0;
@@ -145,21 +172,7 @@ void check_topology(const Mesh& mesh) {
   for (Index e = 0; e < mesh.edges(); ++e) {
     ++expected[static_cast<std::size_t>(number.at(label[static_cast<std::size_t>(mesh.tail(mesh.halfedge(e)))]))].edges;
   }
-  std::set<Index> on_loops;
-  Index last_start = -1;
-  for (const Loop& loop : topology.loops) {
-    ++expected[static_cast<std::size_t>(loop.component)].boundary_loops;
-    bad += loop.halfedges.front() <= last_start;
-    last_start = loop.halfedges.front();
-    bad += *std::min_element(loop.halfedges.begin(), loop.halfedges.end()) != last_start;
-    for (std::size_t k = 0; k < loop.halfedges.size(); ++k) {
-      const Index h = loop.halfedges[k];
-      bad += !mesh.boundary_halfedge(h) || !on_loops.insert(h).second;
-      bad += mesh.tip(h) != mesh.tail(loop.halfedges[(k + 1) % loop.halfedges.size()]);
-      bad += topology.face_component[static_cast<std::size_t>(Mesh::face(h))] != loop.component;
-    }
-  }
-  CHECK(static_cast<Index>(on_loops.size()) == mesh.boundary_edges());
+  bad += check_loops(mesh, topology, expected);
   Index euler = 0;
   for (std::size_t c = 0; c < expected.size(); ++c) {
     const ComponentInfo& info = topology.components[c];

@@ -128,18 +128,7 @@ TEST_CASE("linear systems: every backend against the solution, complex and real"
       }
     }
   }
-  SparseMatrix<double> L(4, 4);
-  L.setIdentity();
-  L.coeffRef(0, 3) = L.coeffRef(3, 0) = -0.5;
-  for (const std::string& name : linear) {
-    const auto solver = make_linear_solver<double>({.name = name});
-    solver->analyse(L);
-    solver->factorise(L);
-    const MatrixX<double> B = MatrixX<double>::Random(4, 3);
-    MatrixX<double> X(4, 3);
-    CHECK(solver->solve(B, X).converged);
-    CHECK(residual<double>(L, X, B) <= 1e-10);
-  }
+  for (const std::string& name : linear) check_small_real_system(name, 1e-10);
 }
 
 TEST_CASE("the smallest eigenpair: every method over every kind of preconditioner, against the library and dense") {

@@ -10,6 +10,7 @@
 #include <ctime>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <set>
@@ -222,14 +223,20 @@ TEST_CASE("every phase of every call asks again within a tenth of a second") {
   const Scene scene(slow ? 5 : 7);
   for (const Call& call : all_calls(scene)) {
     CAPTURE(std::string(call.name));
-    Watch watch;
-    const double start = cpu();
-    call.make({.cancel = watch.cancel()});
-    watch.done();
-    MESSAGE(std::string(call.name) << ": " << cpu() - start << " s of processor time, asked " << watch.asked()
-                                   << " times, longest " << watch.longest() << " s");
     // Two threads in a tenth of a second spend 0.2 s; half as much again for machines that are slower than this one.
-    if (!slow && !call.factorises) CHECK(watch.longest() < 0.3);
+    // The clock also counts what a busy machine adds, now here, now there: a gap of our own comes back every time.
+    const double allowed = slow || call.factorises ? 1e9 : 0.3;
+    double longest = std::numeric_limits<double>::infinity();
+    for (int tries = 0; tries < 3 && longest > allowed; ++tries) {
+      Watch watch;
+      const double start = cpu();
+      call.make({.cancel = watch.cancel()});
+      watch.done();
+      longest = std::min(longest, watch.longest());
+      MESSAGE(std::string(call.name) << ": " << cpu() - start << " s of processor time, asked " << watch.asked()
+                                     << " times, longest " << watch.longest() << " s");
+    }
+    CHECK(longest <= allowed);
   }
 }
 

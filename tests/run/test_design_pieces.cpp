@@ -177,7 +177,7 @@ TEST_CASE("components without a control have their smoothest field, in sessions 
 
 TEST_CASE("the residual is that of the rows too, and fields that fade to rounding are told") {
   const Surface surface = surface_of(icosphere(3));
-  for (const auto source : {DesignGuidance::Source::none, DesignGuidance::Source::zero}) {
+  for (const auto source : {DesignGuidance::Source::nothing, DesignGuidance::Source::zero}) {
     DesignFile design = plain(4);
     design.guidance.source = source;
     design.fixed = {{.vertex = 100, .direction = Vector3{0.3, 1, 0.2}}};

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <complex>
+#include <string>
 #include <utility>
 
 #include "alcap/connection.h"
@@ -62,6 +63,20 @@ inline double true_residual(const Hermitian& S, const Hermitian& M, double area,
   return (S * r.u - r.report.lambda * Mu).norm() / (std::max(r.report.lambda, 1 / area) * Mu.norm());
 }
 inline double true_residual(const Problem& p, const EigenResult& r) { return true_residual(p.S, p.M, p.area, r); }
+
+/// Three right-hand sides of a small real system by the linear backend of that name.
+inline void check_small_real_system(const std::string& name, double tolerance) {
+  SparseMatrix<double> A(4, 4);
+  A.setIdentity();
+  A.coeffRef(0, 3) = A.coeffRef(3, 0) = -0.5;
+  const auto solver = make_linear_solver<double>({.name = name});
+  solver->analyse(A);
+  solver->factorise(A);
+  const MatrixX<double> B = MatrixX<double>::Random(4, 3);
+  MatrixX<double> X(4, 3);
+  CHECK(solver->solve(B, X).converged);
+  CHECK(residual<double>(A, X, B) <= tolerance);
+}
 
 /// All eigenvalues of S u = lambda M u, ascending, by the dense solver.
 inline VectorX<double> dense_spectrum(const Hermitian& S, const Hermitian& M) {

@@ -135,16 +135,7 @@ TEST_CASE("a linear backend from outside serves fields, designs and real systems
   CHECK(designed.solver == "by-hand");
   CHECK((designed.field.u - usual.field.u).norm() <= 1e-8 * usual.field.u.norm());
 
-  SparseMatrix<double> A(3, 3);
-  A.setIdentity();
-  A.coeffRef(0, 2) = A.coeffRef(2, 0) = 0.5;
-  const auto real = make_linear_solver<double>({.name = "by-hand"});
-  real->analyse(A);
-  real->factorise(A);
-  const MatrixX<double> B = MatrixX<double>::Random(3, 2);
-  MatrixX<double> X(3, 2);
-  CHECK(real->solve(B, X).converged);
-  CHECK(residual<double>(A, X, B) <= 1e-15);
+  check_small_real_system("by-hand", 1e-15);
 }
 
 TEST_CASE("an eigensolver from outside is judged by what is recomputed") {

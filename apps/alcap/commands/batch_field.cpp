@@ -133,6 +133,33 @@ void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const Field
   write_guarded([&] { (void)write_field(output_of(run, unit), paths); });
 }
 
+/// What a batch is told about as a whole.
+struct Summed {
+  std::int64_t count;
+  double seconds;
+  bool lines_in_report, summary;
+};
+
+Outcome outcome_of(const BatchChoice& choice, Lines& lines, const Summed& run) {
+  const double per_second = double(run.count) / run.seconds;
+  Outcome outcome{.report = report_head("field", lines.failed() == 0)};
+  outcome.report["batch"] = {{"list", choice.list.string()},
+                             {"meshes", run.count},
+                             {"failed", lines.failed()},
+                             {"seconds", run.seconds},
+                             {"meshes_per_second", number(per_second)}};
+  outcome.report["peak_memory_bytes"] = peak_memory_bytes();
+  if (run.lines_in_report) outcome.report["meshes"] = lines.take();
+  if (run.summary)
+    outcome.text = fmt::format("{} meshes in {:.2f} s, {:.1f} a second; {} failed\n", grouped(run.count), run.seconds,
+                               per_second, grouped(lines.failed()));
+  if (lines.failed() > 0) {
+    outcome.exit = Exit::uncertified;
+    outcome.complaint = fmt::format("{} of {} meshes failed; their lines say why", lines.failed(), run.count);
+  }
+  return outcome;
+}
+
 }  // namespace
 
 void add_batch_options(cli::App& app, BatchChoice& choice) {
@@ -195,24 +222,11 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
         lines.add(i, std::move(line));
       });
 
-  const double seconds = total.seconds();
-  const auto count = static_cast<std::int64_t>(paths.size());
-  Outcome outcome{.report = report_head("field", lines.failed() == 0)};
-  outcome.report["batch"] = {{"list", choice.list.string()},
-                             {"meshes", count},
-                             {"failed", lines.failed()},
-                             {"seconds", seconds},
-                             {"meshes_per_second", number(double(count) / seconds)}};
-  outcome.report["peak_memory_bytes"] = peak_memory_bytes();
-  if (common.json && !file) outcome.report["meshes"] = lines.take();
-  if (!to_stdout)
-    outcome.text = fmt::format("{} meshes in {:.2f} s, {:.1f} a second; {} failed\n", grouped(count), seconds,
-                               double(count) / seconds, grouped(lines.failed()));
-  if (lines.failed() > 0) {
-    outcome.exit = Exit::uncertified;
-    outcome.complaint = fmt::format("{} of {} meshes failed; their lines say why", lines.failed(), count);
-  }
-  return outcome;
+  return outcome_of(choice, lines,
+                    {.count = static_cast<std::int64_t>(paths.size()),
+                     .seconds = total.seconds(),
+                     .lines_in_report = common.json && !file,
+                     .summary = !to_stdout});
 }
 
 }  // namespace alcap::app

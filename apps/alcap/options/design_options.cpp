@@ -363,7 +363,7 @@ DesignFile make_design(const DesignFlags& flags) {
   take_connection(flags, design.connection);
   if (flags.guidance) design.guidance = *flags.guidance;
   if (flags.t) {
-    if (design.guidance.source == DesignGuidance::Source::none)
+    if (design.guidance.source == DesignGuidance::Source::nothing)
       throw Failure(Exit::usage, "--t weighs a guidance field; give one with --guidance", {{"option", "--t"}});
     design.guidance.weight = 1;
     design.guidance.t = flags.t;
@@ -385,7 +385,7 @@ DesignFile make_design(const DesignFlags& flags) {
                        !design.boundary.wanted && !design.features.wanted && design.method != DesignMethod::eigen &&
                        design.connection.cones.empty() && design.connection.cones_at.empty() &&
                        !design.connection.balance &&
-                       (design.guidance.source == DesignGuidance::Source::none ||
+                       (design.guidance.source == DesignGuidance::Source::nothing ||
                         design.guidance.source == DesignGuidance::Source::zero);
   if (nothing)
     throw Failure(

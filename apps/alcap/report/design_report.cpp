@@ -162,7 +162,7 @@ Json guidance_json(const DesignRun& run) {
   if (run.design.method == DesignMethod::eigen)
     return {{"field", "none"}, {"weight", 0}, {"t", nullptr}, {"scale", nullptr}};
   return {{"field", g.source == Source::file ? g.file.string() : std::string(name(g.source))},
-          {"weight", g.source == Source::none || g.t ? Json(0) : number(g.weight)},
+          {"weight", g.source == Source::nothing || g.t ? Json(0) : number(g.weight)},
           {"t", g.t ? number(*g.t) : Json(nullptr)},
           {"scale", run.guidance ? number(run.guidance_scale) : Json(nullptr)}};
 }
@@ -250,7 +250,7 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
           {"energy", number(placed.s)},
           {"guidance", placed.guidance.source == DesignGuidance::Source::file ? placed.guidance.file.string()
                                                                               : name(placed.guidance.source)},
-          {"guidance_weight", placed.guidance.source == DesignGuidance::Source::none || placed.guidance.t
+          {"guidance_weight", placed.guidance.source == DesignGuidance::Source::nothing || placed.guidance.t
                                   ? Json(0)
                                   : number(placed.guidance.weight)},
           {"guidance_t", placed.guidance.t ? number(*placed.guidance.t) : Json(nullptr)},

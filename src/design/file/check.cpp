@@ -141,7 +141,7 @@ void check_turn(const std::string& path, double turns, int n) {
 
 void check(const DesignGuidance& g, int n) {
   using Source = DesignGuidance::Source;
-  if (g.source == Source::none) return;
+  if (g.source == Source::nothing) return;
   check_positive("/guidance/weight", g.weight);
   if (g.source == Source::file && g.file.empty()) throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
   if (((g.source == Source::curvature || g.source == Source::strongest_curvature) && n % 2 != 0) ||
@@ -176,7 +176,7 @@ void check_eigen(const DesignFile& design) {
   const auto refuse = [](const std::string& path, const std::string& value) {
     throw Problem{path, value, "goes with the variational method, and here it is eigen"};
   };
-  if (design.guidance.source != DesignGuidance::Source::none)
+  if (design.guidance.source != DesignGuidance::Source::nothing)
     refuse("/guidance", std::string(name(design.guidance.source)));
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     if (design.singularities[k].pin) refuse("/singularities/" + std::to_string(k) + "/pin", "true");

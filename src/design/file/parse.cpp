@@ -98,9 +98,9 @@ class Node {
   std::string path_;
 };
 
-/// What the text of a node stands for; the names in the order in which the message lists them.
-template <class T, std::size_t N>
-T pick(const Node& node, const std::array<std::pair<T, std::string_view>, N>& names) {
+/// What the text of a node stands for, by rows of value and name, in the order in which the message lists them.
+template <class Names>
+auto pick(const Node& node, const Names& names) {
   const std::string text = node.text();
   std::string list;
   for (const auto& [value, name] : names) {

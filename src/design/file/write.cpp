@@ -140,7 +140,7 @@ std::string design_text(const DesignFile& design) {
   if (design.method == DesignMethod::eigen) json["method"] = "eigen";
   if (design.s != 0) json["s"] = design.s;
   json["connection"] = json_of(design.connection);
-  if (design.guidance.source != DesignGuidance::Source::none) {
+  if (design.guidance.source != DesignGuidance::Source::nothing) {
     Json& g = json["guidance"] = Json::object();
     if (design.guidance.source == DesignGuidance::Source::file)
       g["file"] = design.guidance.file.string();
