@@ -77,7 +77,7 @@ def result_of(program, benchmark):
         else:
             result["family"] = part
     for key in ("faces", "vertices", "its", "residual", "GB/s", "GFlop/s", "bytes/vertex", "sweeps", "ns/triangle",
-                "ns/triangle/its", "rows", "meshes/s", "bad", "converged", "mesh s", "connection s", "assembly s", "eigen s", "analysis s"):
+                "ns/triangle/its", "rows", "meshes/s", "bad", "converged", "singularities", "angle", "mesh s", "connection s", "assembly s", "eigen s", "analysis s"):
         if key in benchmark:
             result[key] = benchmark[key]
     if "label" in benchmark:

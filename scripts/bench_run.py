@@ -26,7 +26,7 @@ LAST_SECONDS = 10
 # A prediction scales with the size, or faster where two sizes have shown that; what they do not show gets this much more.
 MARGIN = 1.3
 # Seconds at 50,000 triangles of what has not run yet.
-GUESS = {"kernels": 5, "tool": 1, "eigen": 12, "connection": 1, "assembly": 2, "pipeline": 5, "linear": 12, "design": 4}
+GUESS = {"kernels": 5, "tool": 1, "eigen": 12, "heuristic": 2, "connection": 1, "assembly": 2, "pipeline": 5, "linear": 12, "design": 4}
 # Bytes per triangle of what has not run yet (700 to 830 were measured), and on disk, for the files of the tool.
 MEMORY_BYTES = 1000
 DISK_BYTES = 800
@@ -50,6 +50,7 @@ def only(pattern):
 
 
 AUTO = only("^eigen/.*backend:auto/")
+FIELD = only("^field/.*backend:(auto|heuristic)/")
 DEFAULT_DETAIL = only("^connection/.*detail:1/")
 PHASES = only("^(read/.*ply|half|topo|geom|frames|indices|write)")
 MULTIGRID = only("^product|^linear_(setup|solve)/.*backend:multigrid")
@@ -67,7 +68,7 @@ def quick_units(sizes, most, one_and_most):
         return Unit(program, size, threads, ["jittered"], list(flags), repetitions)
 
     def targets(size, repetitions):
-        return [unit("eigen", size, most, AUTO, repetitions),
+        return [unit("heuristic", size, most, FIELD, repetitions), unit("eigen", size, most, AUTO, repetitions),
                 unit("connection", size, most, DEFAULT_DETAIL, repetitions),
                 unit("tool", size, most, [], repetitions)]
 
@@ -115,7 +116,7 @@ def full_units(sizes, threads):
              Unit("pipeline", sizes[0], one_and_two, ["jittered"], only("^batch"), 5)]
     for size in sizes:
         for family in by_size(size):
-            units += [Unit("eigen", size, two, [family], AUTO, 5),
+            units += [Unit("heuristic", size, two, [family], FIELD, 5), Unit("eigen", size, two, [family], AUTO, 5),
                       Unit("connection", size, two, [family], DEFAULT_DETAIL, 5)]
         units.append(Unit("tool", size, two, [], [], 5))
     for size in sizes:

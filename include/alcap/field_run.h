@@ -97,13 +97,16 @@ struct Remark {
 struct Certificate {
   bool connection_converged = false;  ///< the connection reached its tolerance
   bool eigen_converged = false;       ///< on every component
-  bool residual_small = false;        ///< both recomputed residuals <= tolerance, on every component
+  bool residual_small = false;        ///< within_tolerance() of solve.h, on every component
   bool index_sums_match = false;      ///< Poincare-Hopf, on every component
   bool finite = false;                ///< no value of the field is NaN or infinite
   bool directions_settled = true;     ///< aligned fields: on every component
   /// What is known about the eigenvalues being the smallest: the least on any component. Only `proven` says that no
   /// smoother field exists.
   Smallest smallest = Smallest::not_checked;
+  /// Degrees: the largest EigenReport::angle of the components; nothing where one has none.
+  std::optional<double> angle = std::nullopt;
+  AngleCheck angle_check = AngleCheck::none;  ///< what it rests on: the least of any component
   /// All of the above, and `smallest` is not refuted. Where it is not checked either, the field is an eigenvector, and
   /// the smoothest one as far as the search went.
   [[nodiscard]] bool holds() const {

@@ -135,11 +135,30 @@ struct NamesOf<Smallest> {
                                                               {Smallest::refuted, "refuted"}});
 };
 
+/// What is known about the angle between an eigenvector and the true one.
+enum class AngleCheck {
+  none,       ///< nothing: the second eigenvalue is not known, or so close that any vector of both will do
+  estimated,  ///< the second eigenvalue is not proven, only approximated: it may lie closer
+  bounded,    ///< no eigenvalue but the smallest lies below the one that the bound is made with
+};
+template <>
+struct NamesOf<AngleCheck> {
+  static constexpr auto table = detail::name_table<AngleCheck>(
+      {{AngleCheck::none, "none"}, {AngleCheck::estimated, "estimated"}, {AngleCheck::bounded, "bounded"}});
+};
+
 /// How the smallest eigenpair is computed.
 struct EigenOptions {
   /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked; the same bound
-  /// holds for EigenReport::energy_residual.
-  double tolerance = 1e-8;
+  /// holds for EigenReport::energy_residual. Not given: angle_tolerance, and where the gap to the second eigenvalue
+  /// does not allow that, residual_tolerance().
+  std::optional<double> tolerance = {};
+  /// Degrees, at least 0 (off). Without a `tolerance` the solve may end where EigenReport::angle is below this and, if
+  /// it is only estimated, both residuals are below 1e-6: nobody sees or measures more of a field.
+  double angle_tolerance = 0;
+  /// n where u stands for the n-th power of directions: angles are those of the directions, an n-th of those of u's
+  /// phase. smoothest_field(), smoothest_modes() and eigen_design() set it to their n.
+  int degree = 1;
   std::string solver = "auto";  // linear backend inside shift-invert; see linear_solvers()
   std::string method = "auto";  // eigensolver; see eigen_solvers(). Tiny problems are solved densely
   int max_iterations = 1000;    // operator applications before giving up
@@ -148,12 +167,17 @@ struct EigenOptions {
   Prove prove_smallest = Prove::automatic;
   /// As SolverOptions::cancel; asked before every step of a method, in the linear solves inside and in the proof.
   std::function<bool()> cancel = {};
+
+  /// The relative residual that is enough in any case: `tolerance`, or 1e-8.
+  [[nodiscard]] double residual_tolerance() const { return tolerance.value_or(1e-8); }
+  /// Whether a small angle is enough as well.
+  [[nodiscard]] bool by_angle() const { return !tolerance && angle_tolerance > 0; }
 };
 
 /// What an eigensolve did.
 struct EigenReport {
   std::string solver;      ///< e.g. "shift-invert Lanczos, cholmod (amd)"
-  bool converged = false;  ///< whether the tolerance was reached, by both residuals
+  bool converged = false;  ///< whether the tolerance was reached: by both residuals, or by the angle
   int iterations = 0;      ///< operator applications (linear solves)
   double lambda = 0;       ///< the eigenvalue; the smallest one as far as `smallest` says
   /// The second smallest eigenvalue, counted with multiplicity, to 1e-3 of max(next, 1/area): nothing where that is not
@@ -165,6 +189,20 @@ struct EigenReport {
   /// own stiffness, where |r| sees little of vertices with small areas. With `lower_bound`, lambda itself is the other
   /// bound of the smallest eigenvalue, whatever the residuals.
   double energy_residual = 0;
+  /// |S u - lambda M u| in the norm of the inverse of M, with |u|_M = 1, recomputed: some eigenvalue lies no further
+  /// from lambda than this. At most a tenth too large, where M is within a factor of 100 of its diagonal (linear
+  /// elements: within 2).
+  double distance = 0;
+  /// Degrees: how far u's phase may be from that of the true eigenvector, after both are turned to agree best, divided
+  /// by EigenOptions::degree. The sine of the whole angle is distance / (next - lambda), which is no less than the root
+  /// mean square of the sines of all angles, over the surface and weighted by |u|^2 (Davis and Kahan 1970). Nothing
+  /// where no `next` is known, or it is too close for the bound to say anything.
+  std::optional<double> angle;
+  AngleCheck angle_check = AngleCheck::none;  ///< what the angle rests on
+  /// Degrees, an estimate: the largest of these angles among the vertices where |u| is at least a tenth of its root
+  /// mean square (nearer to zeros directions mean little): what `angle` allows everywhere, and what single vertices
+  /// would still move by.
+  std::optional<double> angle_at_vertices;
   Smallest smallest = Smallest::not_checked;  ///< what is known about lambda being the smallest
   /// Proven: no eigenvalue lies below this. At most 1e-6 of max(lambda, 1/area) below lambda, more where the tolerance
   /// or rounding ask for it.
@@ -174,6 +212,10 @@ struct EigenReport {
   double proof_seconds = 0;   ///< of these, for `smallest`
   std::string message;        ///< empty when all is well; says why when the tolerance was not reached
 };
+
+/// Whether the numbers of a report are what was asked for: both residuals within residual_tolerance(), or, where that
+/// is enough, the angle within angle_tolerance. False for NaN.
+[[nodiscard]] bool within_tolerance(const EigenReport& report, const EigenOptions& options);
 
 /// An eigenvector and how it was found.
 struct EigenResult {

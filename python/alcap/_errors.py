@@ -16,6 +16,7 @@ _WORDS = (
     ('repair_weld()', 'alcap.repair_weld'),
     ('repair_orientation()', 'alcap.repair_orientation'),
     ('EigenOptions::solver', 'solver'),
+    ('EigenOptions::angle_tolerance', 'angle_tolerance'),
     ('EigenOptions::tolerance', 'tolerance'),
     ('EigenOptions::prove_smallest', 'prove_smallest'),
     ('GlobalOptions::detail', 'detail'),

@@ -158,7 +158,8 @@ def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: 
         The most threads; 0: all. Results do not depend on it.
     **options
         Of the connection: connection, detail, length_factor, tan_cap, cones, balance_cones, generator_holonomy,
-        loop_index, target, spread, connection_tolerance, connection_iterations, see connect(). Of the eigensolver: tolerance (1e-8), solver, method, max_iterations (1000), seed,
+        loop_index, target, spread, connection_tolerance, connection_iterations, see connect(). Of the eigensolver:
+        tolerance (1e-8), angle_tolerance (degrees, instead), solver, method, max_iterations (1000), seed,
         prove_smallest.
 
     Returns

@@ -70,7 +70,8 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
         Of length 1 in M.
     report : dict
         solver, converged, iterations, lambda, next (None where it is not established), residual and energy_residual
-        (recomputed), smallest ('proven', 'searched', 'not checked' or 'refuted'), lower_bound, smallest_note, seconds,
+        (recomputed), distance (of an eigenvalue from lambda, at most), angle and angle_at_vertices (degrees, None where
+        nothing is known), angle_check ('none', 'estimated' or 'bounded'), smallest ('proven', 'searched', 'not checked' or 'refuted'), lower_bound, smallest_note, seconds,
         message.
     """
     options = given(tolerance=tolerance, solver=solver, method=method, max_iterations=max_iterations, seed=seed,

@@ -19,7 +19,7 @@ Complexes = npt.NDArray[np.complex128]
 CONNECTION_OPTIONS = ('connection', 'detail', 'length_factor', 'tan_cap', 'cones', 'balance_cones',
                       'generator_holonomy', 'loop_index', 'target', 'spread', 'connection_tolerance',
                       'connection_iterations')
-EIGEN_OPTIONS = ('tolerance', 'solver', 'method', 'max_iterations', 'seed', 'prove_smallest')
+EIGEN_OPTIONS = ('tolerance', 'angle_tolerance', 'solver', 'method', 'max_iterations', 'seed', 'prove_smallest')
 
 
 def given(**options: Any) -> Dict[str, Any]:

@@ -58,7 +58,7 @@ LinearSolverFactory<Scalar> factory_of(const std::string& name, const std::share
 EigenSolver eigen_solver(const std::shared_ptr<py::object>& solver) {
   return [solver](const EigenProblem& problem, const EigenOptions& options) {
     const py::gil_scoped_acquire lock;
-    py::dict how("tolerance"_a = options.tolerance, "max_iterations"_a = options.max_iterations,
+    py::dict how("tolerance"_a = options.residual_tolerance(), "max_iterations"_a = options.max_iterations,
                  "seed"_a = options.seed);
     using Matrix = SparseMatrix<Complex<double>>;
     const py::object u = (*solver)(sparse(Matrix(problem.S)), sparse(Matrix(problem.M)), problem.area, how);

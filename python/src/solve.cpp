@@ -17,7 +17,9 @@ EigenOptions eigen_of(const py::dict& d) {
   for (const auto& [key, value] : d) {
     const auto name = key.cast<std::string>();
     if (name == "tolerance") {
-      out.tolerance = value.cast<double>();
+      if (!value.is_none()) out.tolerance = value.cast<double>();
+    } else if (name == "angle_tolerance") {
+      out.angle_tolerance = value.cast<double>();
     } else if (name == "solver") {
       out.solver = value.cast<std::string>();
     } else if (name == "method") {
@@ -40,12 +42,16 @@ EigenOptions eigen_of(const py::dict& d) {
 }
 
 py::dict eigen_dict(const EigenReport& r) {
-  return py::dict("solver"_a = r.solver, "converged"_a = r.converged, "iterations"_a = r.iterations,
-                  "lambda"_a = r.lambda, "next"_a = r.next ? py::object(py::float_(*r.next)) : py::none(),
-                  "residual"_a = r.residual, "energy_residual"_a = r.energy_residual,
-                  "smallest"_a = std::string(name(r.smallest)),
-                  "lower_bound"_a = r.lower_bound ? py::object(py::float_(*r.lower_bound)) : py::none(),
-                  "smallest_note"_a = r.smallest_note, "seconds"_a = r.seconds, "message"_a = r.message);
+  return py::dict(
+      "solver"_a = r.solver, "converged"_a = r.converged, "iterations"_a = r.iterations, "lambda"_a = r.lambda,
+      "next"_a = r.next ? py::object(py::float_(*r.next)) : py::none(), "residual"_a = r.residual,
+      "energy_residual"_a = r.energy_residual, "distance"_a = r.distance,
+      "angle"_a = r.angle ? py::object(py::float_(*r.angle)) : py::none(),
+      "angle_check"_a = std::string(name(r.angle_check)),
+      "angle_at_vertices"_a = r.angle_at_vertices ? py::object(py::float_(*r.angle_at_vertices)) : py::none(),
+      "smallest"_a = std::string(name(r.smallest)),
+      "lower_bound"_a = r.lower_bound ? py::object(py::float_(*r.lower_bound)) : py::none(),
+      "smallest_note"_a = r.smallest_note, "seconds"_a = r.seconds, "message"_a = r.message);
 }
 
 py::dict solve_dict(const SolveReport& r) {

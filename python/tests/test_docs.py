@@ -42,6 +42,7 @@ CPP_ONLY = {
     'as_positions': 'NumPy converts', 'as_faces': 'NumPy converts',
     'connection_choice': 'connect() takes the name',
     'intrinsic_delaunay': 'run_field(triangulation=...) solves on it', 'triangle_quality': 'part of intrinsic_delaunay',
+    'within_tolerance': "report['converged']",
     'command_for': 'a line of text of the command line',
 
 }

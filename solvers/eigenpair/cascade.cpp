@@ -275,7 +275,8 @@ class Cascade {
     const int steps = descend<K>(block);
     if (block.values().size() < K) return {};
     if (narrow<K>(block.values())) return too_narrow();
-    const RefineOptions refinement{.tolerance = options_.tolerance,
+    const RefineOptions refinement{.tolerance = options_.residual_tolerance(),
+                                   .sine = options_.by_angle() ? sine_tolerance(options_) : 0,
                                    .floor = floor_,
                                    .negative = negligible * floor_,
                                    .max_iterations = std::min(refine_limit, options_.max_iterations - steps),
@@ -337,7 +338,8 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   result.u = std::move(refined.u);
   result.report.iterations = refined.iterations;
   result.report.solver = "LOBPCG, multigrid";
-  if (refined.next_good) result.report.next = refined.next / unit;
+  // The second Ritz value is no less than the second eigenvalue, however good it is.
+  if (refined.next_good || options.by_angle()) result.report.next = refined.next / unit;
   conclude(problem, options, result);
   if (result.report.converged || refined.iterations >= options.max_iterations) return result;
   const std::string why = "LOBPCG stopped at a residual of " + rounded_text(result.report.residual) + " after " +

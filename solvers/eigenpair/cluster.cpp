@@ -29,6 +29,9 @@ class Cluster {
   Refined run() {
     Refined first = find_first();
     if (options_.second && first.end == Refined::End::converged) find_second(first);
+    const bool enough =
+        first.next_good ? first.sine(options_.floor) <= options_.sine : first.residual <= residual_with_estimate;
+    if (options_.sine > 0 && options_.second && first.residual > options_.tolerance && !enough) refine_again(first);
     return first;
   }
 
@@ -60,6 +63,20 @@ class Cluster {
     first.length = 1;
     first.u = std::move(members_.front());
     return first;
+  }
+
+  /// The second eigenvalue turned out to lie closer than it seemed, or stays an estimate.
+  void refine_again(Refined& first) {
+    RefineOptions options = options_;
+    options.next_good = first.next_good;
+    options.second = false;
+    options.max_iterations = std::max(0, options_.max_iterations - first.iterations);
+    theta_[0] = first.lambda;
+    theta_[1] = first.next;
+    const int before = first.iterations;
+    first = refine<K>(problem_, std::move(first.u), Y_, theta_, options);
+    first.iterations += before;
+    first.next_good = options.next_good;
   }
 
   /// Refines the second vector until its eigenvalue is right to about the square of second_residual.

@@ -61,7 +61,7 @@ class InverseIteration {
         best = now.residual;
         result.u = u;
       }
-      const bool found = best <= options_.tolerance;
+      const bool found = best <= options_.residual_tolerance();
       const bool next_known = values.size() < 2 || std::abs(values[1] - second) <= settled * std::abs(values[1]);
       if (values.size() > 1) second = values[1];
       result.report.iterations = solves;

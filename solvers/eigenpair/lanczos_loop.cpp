@@ -85,7 +85,7 @@ class LanczosLoop::Process {
     for (Index k = 1;; ++k) {
       check_cancelled(options_.cancel);
       ritz_ = hermitian_eigenpairs<double>(basis_.matrix_H().topLeftCorner(k, k));
-      if (!found && correction_ * promised_residual() <= options_.tolerance) {
+      if (!found && correction_ * promised_residual() <= options_.residual_tolerance()) {
         found = accept();
         if (found) stop_next = std::min<Index>(stop_next, solves_ + solves_for_next);
       }
@@ -129,7 +129,7 @@ class LanczosLoop::Process {
     problem_.vector().noalias() = basis_.matrix_V().leftCols(k) * ritz_.vectors.col(k - 1);
     double residual = problem_.check();
     const double promised = promised_residual();
-    for (int round = 1; residual > options_.tolerance && promised < limited * residual; ++round) {
+    for (int round = 1; residual > options_.residual_tolerance() && promised < limited * residual; ++round) {
       // The recurrence has converged further than the vector: what is left is rounding in the solves.
       const VectorX<double> before = problem_.vector();
       solves_ += problem_.polish();
@@ -138,8 +138,8 @@ class LanczosLoop::Process {
       if (round == most_polishes || after > polished * residual) return true;
       residual = after;
     }
-    if (residual <= options_.tolerance) return true;
-    correction_ *= caution * residual / options_.tolerance;
+    if (residual <= options_.residual_tolerance()) return true;
+    correction_ *= caution * residual / options_.residual_tolerance();
     return false;
   }
 

@@ -70,7 +70,7 @@ class RealProblem final : public LanczosProblem {
 
 /// The verdict, from the residual.
 void judge(EigenReport& report, const EigenOptions& options) {
-  report.converged = report.residual <= options.tolerance;
+  report.converged = report.residual <= options.residual_tolerance();
   if (!report.converged) report.message = not_reached;
   report.smallest_note = "the proof knows complex problems only";
 }

@@ -121,7 +121,7 @@ class Modes {
     for (Index c = 0; c < block; ++c) X_.col(c) = start_vector(rows_, options_.seed + static_cast<std::uint64_t>(c));
     while (iterations_ < options_.max_iterations) {
       step_subspace();
-      if (worst(wanted_) <= options_.tolerance) break;
+      if (worst(wanted_) <= options_.residual_tolerance()) break;
     }
   }
 
@@ -170,7 +170,7 @@ class Modes {
       double left = 0;  // of the last wanted Ritz pair, relative
       for (Index i = 0; i < found; ++i)
         left = std::max(left, next_length * std::abs(pairs.vectors(k - 1, k - 1 - i)) / pairs.values[k - 1 - i]);
-      const bool done = k >= count && left <= 0.1 * options_.tolerance;
+      const bool done = k >= count && left <= 0.1 * options_.residual_tolerance();
       if (done || !more || iterations_ >= options_.max_iterations || k == room) break;
       if (k < size) continue;
       // Thick restart: the better half of the Ritz vectors and the next basis vector.
@@ -193,7 +193,8 @@ class Modes {
   }
 
   void polish() {
-    for (int round = 0; round < most_polishes && worst(wanted_) > options_.tolerance; ++round) step_subspace();
+    for (int round = 0; round < most_polishes && worst(wanted_) > options_.residual_tolerance(); ++round)
+      step_subspace();
   }
 
   void search_all(EigenModes& result) {
@@ -250,9 +251,9 @@ class Modes {
       result.U.col(k) = u;
       result.lambda[k] = check.lambda;
       result.residual[k] = check.residual;
-      if (!check.within(options_.tolerance)) {
+      if (!check.within(options_.residual_tolerance())) {
         const PairCheck floor = rounding_floor(problem_, u, check.lambda);
-        if (check.residual > std::max(options_.tolerance, floor.residual)) result.converged = false;
+        if (check.residual > std::max(options_.residual_tolerance(), floor.residual)) result.converged = false;
       }
       const bool same = k > 0 && result.lambda[k] - result.lambda[k - 1] <= cluster_width * scale(result.lambda[k]);
       result.cluster.push_back(k == 0 ? 0 : result.cluster.back() + (same ? 0 : 1));

@@ -37,6 +37,40 @@ double energy(const EigenProblem& problem, double lambda, Squares&& squares) {
   return sum / std::max(lambda, energy_floor / problem.area);
 }
 
+/// An upper bound of |r|_{M^-1}: conjugate gradients for M y = r, preconditioned by the diagonal, build up r^H y step
+/// by step, which is the square of the norm but for what they leave of r (Hestenes and Stiefel 1952).
+double inverse_mass_norm(const HermitianMatrix& M, ComplexVector r) {
+  // M is at least this part of its diagonal: linear elements a half, less the more curvature their faces have.
+  constexpr double least_part = 0.01;
+  constexpr double enough = 0.2;  // what is left may add this part to the square
+  constexpr int most_steps = 12;  // four or five are usual
+  const Eigen::Index n = r.size();
+  VectorX<double> inverse(n);
+  parallel_for(n, [&](std::int64_t i) {
+    const double own = M.coeff(static_cast<Index>(i), static_cast<Index>(i)).real();
+    inverse[i] = own > 0 ? 1 / own : 0;
+  });
+  const auto weighted = [&] {
+    return parallel_sum<double>(n, [&](std::int64_t i) { return inverse[i] * std::norm(r[i]); });
+  };
+  ComplexVector p = ComplexVector::Zero(n), Mp(n);
+  double built = 0, left = weighted(), before = 1;
+  for (int k = 0; k < most_steps && left > enough * least_part * built; ++k) {
+    const double beta = k == 0 ? 0 : left / before;
+    parallel_for(n, [&](std::int64_t i) { p[i] = inverse[i] * r[i] + beta * p[i]; });
+    hermitian_product(M, p.data(), Mp.data());
+    const double curvature = parallel_sum<double>(
+        n, [&](std::int64_t i) { return p[i].real() * Mp[i].real() + p[i].imag() * Mp[i].imag(); });
+    if (!(curvature > 0)) break;
+    const double alpha = left / curvature;
+    parallel_for(n, [&](std::int64_t i) { r[i] -= alpha * Mp[i]; });
+    built += alpha * left;
+    before = left;
+    left = weighted();
+  }
+  return std::sqrt(built + left / least_part);
+}
+
 }  // namespace
 
 PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu) {
@@ -55,6 +89,51 @@ PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVecto
       std::sqrt(parallel_sum<double>(u.size(), squares)) / (std::max(check.lambda, 1 / problem.area) * Mu.norm());
   check.energy = energy(problem, check.lambda, squares);
   return check;
+}
+
+PairCheck check_distance(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu) {
+  PairCheck check = check_pair(problem, u, Su, Mu);
+  check.distance = inverse_mass_norm(problem.M, Su - check.lambda * Mu);
+  return check;
+}
+
+double sine_tolerance(const EigenOptions& options) {
+  constexpr double right_angle = 90;
+  return std::sin(std::min(options.degree * options.angle_tolerance, right_angle) * pi<double> / 180);
+}
+
+void judge_angle(const EigenProblem& problem, const EigenOptions& options, double above, AngleCheck check,
+                 EigenResult& result) {
+  EigenReport& report = result.report;
+  report.angle.reset();
+  report.angle_at_vertices.reset();
+  report.angle_check = AngleCheck::none;
+  const double gap = above - report.lambda;
+  if (!(gap > report.distance)) return;
+  const double sine = report.distance / gap;
+  const auto degrees = [&](double s) { return std::asin(std::min(1.0, s)) * 180 / pi<double> / options.degree; };
+  report.angle = degrees(sine);
+  report.angle_check = check;
+  // |u|_M = 1. Vertices as they would move alone, and an even error of the length that the bound allows.
+  constexpr double near_zero = 0.1;
+  const double rms = 1 / std::sqrt(problem.area);
+  ComplexVector Su(result.u.size()), Mu(result.u.size());
+  hermitian_product(problem.S, result.u.data(), Su.data());
+  hermitian_product(problem.M, result.u.data(), Mu.data());
+  const double largest = parallel_reduce(
+      std::int64_t{result.u.size()}, 0.0,
+      [&](std::int64_t begin, std::int64_t end) {
+        double most = 0;
+        for (std::int64_t i = begin; i < end; ++i) {
+          const double length = std::abs(result.u[i]);
+          const double own = problem.S.coeff(static_cast<Index>(i), static_cast<Index>(i)).real();
+          if (!(length >= near_zero * rms) || !(own > 0)) continue;
+          most = std::max(most, (sine * rms + std::abs(Su[i] - report.lambda * Mu[i]) / own) / length);
+        }
+        return most;
+      },
+      [](double a, double b) { return std::max(a, b); });
+  report.angle_at_vertices = degrees(largest);
 }
 
 PairCheck rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda) {
@@ -83,16 +162,20 @@ void conclude(const EigenProblem& problem, const EigenOptions& options, EigenRes
   fix_phase(result.u);
   ComplexVector Su;
   ComplexVector Mu;
-  const PairCheck check = check_pair(problem, result.u, Su, Mu);
+  const PairCheck check = check_distance(problem, result.u, Su, Mu);
   report.lambda = check.lambda;
   report.residual = check.residual;
   report.energy_residual = check.energy;
+  report.distance = check.distance;
   if (report.next) report.next = std::max(*report.next, report.lambda);
-  report.converged = check.within(options.tolerance);
+  report.converged = check.within(options.residual_tolerance());
+  if (report.converged) return;
+  report.converged =
+      options.by_angle() && report.next && check.distance <= sine_tolerance(options) * (*report.next - report.lambda);
   if (report.converged) return;
   const PairCheck floor = rounding_floor(problem, result.u, check.lambda);
-  report.converged = check.residual <= std::max(floor.residual, options.tolerance) &&
-                     check.energy <= std::max(floor.energy, options.tolerance);
+  report.converged = check.residual <= std::max(floor.residual, options.residual_tolerance()) &&
+                     check.energy <= std::max(floor.energy, options.residual_tolerance());
   report.message = report.converged ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
                                     : not_reached;
 }
@@ -145,7 +228,7 @@ HermitianMatrix shifted(const EigenProblem& problem, double sigma) {
 }
 
 ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& options, std::optional<double> above) {
-  const double inner = std::max(inner_tolerance * options.tolerance, least_tolerance);
+  const double inner = std::max(inner_tolerance * options.residual_tolerance(), least_tolerance);
   ShiftInverted result;
   result.solver =
       make_linear_solver<std::complex<double>>({.name = options.solver, .tolerance = inner, .cancel = options.cancel});

@@ -22,6 +22,7 @@ struct PairCheck {
   double lambda = 0;    ///< Rayleigh quotient
   double residual = 0;  ///< |S u - lambda M u| / (max(lambda, 1/area) |M u|)
   double energy = 0;    ///< EigenReport::energy_residual
+  double distance = 0;  ///< EigenReport::distance; of check_distance() only
   [[nodiscard]] bool within(double tolerance) const { return residual <= tolerance && energy <= tolerance; }
 };
 
@@ -29,13 +30,28 @@ struct PairCheck {
 /// products afterwards.
 [[nodiscard]] PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su, ComplexVector& Mu);
 
+/// The same with the distance, for as much as five more products with M.
+[[nodiscard]] PairCheck check_distance(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su,
+                                       ComplexVector& Mu);
+
+/// An angle that rests on an estimate of the second eigenvalue is believed where residuals are below this.
+inline constexpr double residual_with_estimate = 1e-6;
+/// The sine of the angle that options ask for.
+[[nodiscard]] double sine_tolerance(const EigenOptions& options);
+
+/// Fills in what a report says of angles. Exactly one eigenvalue, counted with multiplicity, lies below `above`, which
+/// is known or estimated.
+void judge_angle(const EigenProblem& problem, const EigenOptions& options, double above, AngleCheck check,
+                 EigenResult& result);
+
 /// The residuals below which rounding in S u and M u alone drowns everything: no solver can be asked for less.
 [[nodiscard]] PairCheck rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda);
 
 /// EigenReport::message where the tolerance was not reached.
 inline constexpr const char* not_reached = "the residual asked for was not reached";
 
-/// Fills `converged`, `lambda`, `residual` and `message` from a last check against the tolerance, fixes the phase.
+/// Fills `converged`, `lambda`, `residual`, `distance` and `message` from a last check against the tolerance, fixes the
+/// phase. Where an angle is enough it is that which `next` allows.
 void conclude(const EigenProblem& problem, const EigenOptions& options, EigenResult& result);
 
 /// Makes the entry of largest modulus real and positive: the first among those within 1e-6 of the largest, so that the

@@ -57,19 +57,26 @@ class Proof {
     if (candidate && !upper_bound &&
         counter_.below(*candidate + next_accuracy * scale_of(problem_, *candidate), 1).complete)
       candidate.reset();
-    const double margin =
-        std::max({bound_margin * scale, 4 * report.residual * scale, counter_.uncertainty(result_.u, report.lambda)});
-    if (!(margin <= largest_margin * scale)) {
+    const double least = std::max(bound_margin * scale, counter_.uncertainty(result_.u, report.lambda));
+    if (!(least <= largest_margin * scale)) {
       report.smallest_note = "rounding, which badly shaped triangles enlarge, does not allow a proof";
       return Verdict::undecided;
     }
-    const double bound = report.lambda - margin;
     std::optional<double> below_next;
     if (candidate) below_next = *candidate - next_accuracy * scale_of(problem_, *candidate);
-    if (below_next && *below_next > report.lambda + margin) {
+    const double gap = below_next ? *below_next - report.lambda : 0;
+    if (gap > std::max(least, report.distance)) {
       const EigenvalueCounter::Count count = counter_.below(*below_next, 1);
-      if (count.complete && count.reliable && count.below == 1) return proven(bound, candidate);
+      // With one eigenvalue below `below_next` it lies this close to the Rayleigh quotient (Temple 1928; Kato 1949).
+      if (count.complete && count.reliable && count.below == 1)
+        return proven(report.lambda - std::max(least, report.distance * report.distance / gap), candidate);
     }
+    const double margin = std::max(least, 4 * report.residual * scale);
+    if (!(margin <= largest_margin * scale)) {
+      report.smallest_note = "the residual is too large for a proof";
+      return Verdict::undecided;
+    }
+    const double bound = report.lambda - margin;
     const EigenvalueCounter::Count count = counter_.below(bound, 0);
     if (!count.complete) return Verdict::refuted;
     if (!count.reliable) {
@@ -130,7 +137,7 @@ void search(const EigenProblem& problem, const EigenOptions& options, EigenResul
   EigenOptions other = options;
   other.solver = "multigrid";
   other.seed += 1;
-  other.tolerance = std::max(options.tolerance, search_tolerance);
+  other.tolerance = std::max(options.residual_tolerance(), search_tolerance);
   EigenResult found = smallest_lanczos(problem, other);
   EigenReport& report = result.report;
   report.next.reset();
@@ -140,7 +147,7 @@ void search(const EigenProblem& problem, const EigenOptions& options, EigenResul
   }
   const double gain = report.lambda - found.report.lambda;
   if (gain > next_accuracy * scale_of(problem, report.lambda)) {
-    other.tolerance = options.tolerance;
+    other.tolerance = options.residual_tolerance();
     const std::string from =
         "the first search ended at " + rounded_text(report.lambda) + ", an independent one found a smaller eigenvalue";
     replace(result, smallest_lanczos(problem, other), from);

@@ -44,6 +44,8 @@ constexpr double dependent = 1e-13;
 /// a part in their space worth following when it is longer than this.
 constexpr double equal_values = 0.1;
 constexpr double least_overlap = 0.1;
+/// The inverse of the mass is at most this times that of the lumped one, for linear elements.
+constexpr double of_lumped = 4;
 /// Products of p with itself by differences have 10 digits left when p is not shorter than this beside x, squared.
 constexpr double long_enough = 1e-6;
 
@@ -85,7 +87,7 @@ class Refinement {
       residual();
       choose_neighbours();
       const double outside = without_neighbours();
-      if (residual_ <= options_.tolerance || (options_.member && outside <= options_.outside)) {
+      if (residual_ <= options_.tolerance || small_angle() || (options_.member && outside <= options_.outside)) {
         result.end = Refined::End::converged;
         break;
       }
@@ -112,12 +114,25 @@ class Refinement {
     result.residual = residual_;
     result.lambda = lambda_;
     result.length = std::sqrt(M_(at_x, at_x).real());
+    result.distance = distance_;
     result.next = next_;
     result.u = std::move(x_);
     return result;
   }
 
  private:
+  [[nodiscard]] bool small_angle() const {
+    if (options_.sine == 0 || options_.member) return false;
+    // Where the second vector is refined afterwards the estimate is looked at again.
+    if (!options_.second && !options_.next_good && residual_ > residual_with_estimate) return false;
+    Refined now;
+    now.lambda = lambda_;
+    now.distance = distance_;
+    now.next = next_;
+    now.next_good = options_.next_good;
+    return now.sine(options_.floor) <= options_.sine;
+  }
+
   /// Of the whole basis: x, w, p and K - 1 neighbours.
   static constexpr Eigen::Index size = K + 2;
 
@@ -128,7 +143,7 @@ class Refinement {
     // The Rayleigh quotient is only known behind the pass: the residual is that of the Ritz value, which is the same
     // but for rounding and, at the start, for the single precision of the neighbours.
     const double lambda = lambda_;
-    constexpr std::size_t width = 8 + 4 * K;
+    constexpr std::size_t width = 9 + 4 * K;
     const std::array<double, width> sums =
         pencil_.template sums<width>(x_.data(), [&](std::int64_t first, std::int64_t count, const complex<double>* Sx,
                                                     const complex<double>* Mx, std::array<double, width>& sum) {
@@ -142,9 +157,10 @@ class Refinement {
             sum[1] += m.real() * m.real() + m.imag() * m.imag();
             sum[2] += x.real() * s.real() + x.imag() * s.imag();
             sum[3] += x.real() * m.real() + x.imag() * m.imag();
-            add_products(p_[i], s, m, sum.data() + 4);
+            sum[4] += double{b[2 * i] * b[2 * i] + b[2 * i + 1] * b[2 * i + 1]} / double{mass_[i]};
+            add_products(p_[i], s, m, sum.data() + 5);
           }
-          add_neighbours(first, count, Sx, Mx, sum.data() + 8);
+          add_neighbours(first, count, Sx, Mx, sum.data() + 9);
         });
     if (!(sums[3] > 0)) throw SolveError("the mass matrix is not positive definite");
     residual_unit_ = std::sqrt(sums[1]) * std::max(lambda_, options_.floor);
@@ -152,8 +168,9 @@ class Refinement {
     lambda_ = sums[2] / sums[3];
     S_(at_x, at_x) = sums[2];
     M_(at_x, at_x) = sums[3];
-    set_products(at_p, at_x, sums.data() + 4);
-    set_neighbours(at_x, sums.data() + 8);
+    distance_ = std::sqrt(of_lumped * sums[4] / sums[3]);
+    set_products(at_p, at_x, sums.data() + 5);
+    set_neighbours(at_x, sums.data() + 9);
     if (p_used_) products_of_p();
   }
 
@@ -405,6 +422,7 @@ class Refinement {
   double lambda_ = 0;
   double next_ = 0;
   double residual_ = 1;
+  double distance_ = 0;
   double residual_unit_ = 1;
 };
 

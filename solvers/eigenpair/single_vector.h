@@ -4,6 +4,7 @@
 // neighbouring Ritz vectors of the block phase, which remove what clusters would leave. Internal to solvers/.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include "solvers/eigenpair/block_lobpcg.h"
@@ -14,14 +15,17 @@ namespace alcap::detail {
 
 struct RefineOptions {
   double tolerance = 1e-8;  ///< |S u - lambda M u| / (max(lambda, floor) |M u|)
-  double floor = 0;         ///< of eigenvalues, in the pencil's scale
-  double negative = 0;      ///< below minus this S counts as indefinite
+  /// Enough as well, unless 0: the sine of the angle to the true eigenvector (Refined::sine).
+  double sine = 0;
+  double floor = 0;     ///< of eigenvalues, in the pencil's scale
+  double negative = 0;  ///< below minus this S counts as indefinite
   int max_iterations = 100;
   /// One member of a cluster: its mates are never in the basis, and a residual of `outside` apart from its parts along
   /// them is enough.
   bool member = false;
   double outside = 0;
   bool second = false;                ///< refine_first(): the second eigenvalue is wanted as well
+  bool next_good = false;             ///< the second Ritz value is that of a refined vector
   std::function<bool()> cancel = {};  ///< see EigenOptions
 };
 
@@ -33,6 +37,15 @@ struct Refined {
   bool next_good = false;  ///< whether its vector was refined, or it is one of a cluster that was parted
   int iterations = 0;
   double residual = 1;
+  double distance = 0;  ///< of lambda to an eigenvalue: a bound of |S u - lambda M u| in the norm of M^-1, |u|_M = 1
+  /// The sine of the angle that `distance` allows where the second eigenvalue is `next`, as far as a proof may count on
+  /// it. Ritz values lie above eigenvalues: only a part of the gap counts where its vector is not refined. `floor` as
+  /// of RefineOptions.
+  [[nodiscard]] double sine(double floor) const {
+    constexpr double gap_part = 0.7;
+    const double gap = next_good ? next - next_accuracy * std::max(next, floor) - lambda : gap_part * (next - lambda);
+    return gap > 0 ? distance / gap : 1;
+  }
   /// `narrow`: the block was smaller than the cluster, nothing was refined.
   enum class End { converged, limit, stalled, indefinite, narrow } end = End::stalled;
 };

@@ -70,7 +70,7 @@ class Run {
   [[nodiscard]] bool inverts() const { return method_ == Method::krylovschur; }
 
   void rounds(EigenResult& result) {
-    double tolerance = options_.tolerance;
+    double tolerance = options_.residual_tolerance();
     double best = HUGE_VAL;
     Vector Su, Mu;
     for (int round = 0; round < most_rounds; ++round) {
@@ -84,8 +84,8 @@ class Run {
         best = residual;
         result.u = u;
       }
-      if (best <= options_.tolerance || !gained || !finished || used_ >= options_.max_iterations) break;
-      tolerance *= std::clamp(tighter * options_.tolerance / best, least_tightening, tighter);
+      if (best <= options_.residual_tolerance() || !gained || !finished || used_ >= options_.max_iterations) break;
+      tolerance *= std::clamp(tighter * options_.residual_tolerance() / best, least_tightening, tighter);
     }
   }
 
@@ -146,7 +146,9 @@ class Run {
     }
   }
 
-  [[nodiscard]] double inner() const { return std::max(inner_tolerance * options_.tolerance, least_tolerance); }
+  [[nodiscard]] double inner() const {
+    return std::max(inner_tolerance * options_.residual_tolerance(), least_tolerance);
+  }
 
   /// A linear backend of the library as PETSc's preconditioner: a whole solve to invert, else one iteration.
   void use_shell(KSP ksp) {

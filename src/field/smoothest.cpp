@@ -29,8 +29,10 @@ SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connecti
   result.assembly_seconds = watch.lap();
 
   const std::vector<double> areas = detail::areas_of_components(geometry, topology);
+  EigenOptions eigen_options = options.eigen;
+  eigen_options.degree = options.n;
   if (topology.components.size() == 1 && mesh.referenced_vertices() == mesh.vertices()) {
-    EigenResult eigen = smallest_eigenpair(matrices.S, matrices.M, areas[0], options.eigen);
+    EigenResult eigen = smallest_eigenpair(matrices.S, matrices.M, areas[0], eigen_options);
     result.field.u = std::move(eigen.u);
     result.components.push_back(std::move(eigen.report));
   } else {
@@ -48,7 +50,7 @@ SmoothestResult solve(const Mesh& mesh, const Geometry& geometry, const Connecti
           if (!wanted.empty() && wanted[c] == 0) return;
           EigenResult eigen =
               smallest_eigenpair(diagonal_block(matrices.S, vertices[c], local),
-                                 diagonal_block(matrices.M, vertices[c], local), areas[c], options.eigen);
+                                 diagonal_block(matrices.M, vertices[c], local), areas[c], eigen_options);
           for (std::size_t k = 0; k < vertices[c].size(); ++k)
             result.field.u[vertices[c][k]] = eigen.u[static_cast<Eigen::Index>(k)];
           result.components[c] = std::move(eigen.report);

@@ -103,7 +103,9 @@ void judge_aligned(const FieldRunOptions& options, FieldRun& run) {
   Certificate& certificate = run.certificate;
   for (const AlignedPiece& piece : features.pieces) {
     certificate.directions_settled = certificate.directions_settled && piece.settled;
-    certificate.residual_small = certificate.residual_small && piece.residual <= options.eigen.tolerance;
+    const bool small = piece.eigen ? within_tolerance(*piece.eigen, options.eigen)
+                                   : piece.residual <= options.eigen.residual_tolerance();
+    certificate.residual_small = certificate.residual_small && small;
     if (!piece.eigen) continue;
     certificate.eigen_converged = certificate.eigen_converged && piece.eigen->converged;
     if (piece.eigen->smallest == Smallest::refuted) certificate.smallest = Smallest::refuted;

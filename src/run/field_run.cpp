@@ -34,6 +34,9 @@ constexpr double near_coincident = 1e-6;
 // Two smallest eigenvalues this close together (relative) leave the choice within their span to chance.
 constexpr double degenerate_gap = 1e-6;
 
+// So close to each other they are two fields, but noise or another triangulation may exchange them.
+constexpr double small_gap = 1e-3;
+
 void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
   const std::int64_t count = mesh.vertices() - mesh.referenced_vertices();
   if (count == 0) return;
@@ -99,10 +102,6 @@ void remark_slivers(const Surface& surface, std::vector<Remark>& remarks) {
   remarks.push_back(std::move(remark));
 }
 
-bool within_tolerance(const EigenReport& e, const FieldRunOptions& options) {
-  return e.residual <= options.eigen.tolerance && e.energy_residual <= options.eigen.tolerance;  // false for NaN
-}
-
 void remark_smallest(const FieldRun& run, std::vector<Remark>& remarks) {
   Remark refuted{.code = "not_smallest"}, replaced{.code = "solved_again", .warning = false};
   std::string said;
@@ -127,17 +126,18 @@ void remark_smallest(const FieldRun& run, std::vector<Remark>& remarks) {
 }
 
 void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
-  Remark failed{.code = "eigen_not_converged"}, degenerate{.code = "not_unique", .warning = false};
+  Remark failed{.code = "eigen_not_converged"}, degenerate{.code = "not_unique", .warning = false},
+      close{.code = "small_gap", .warning = false};
   std::string said;
   for (std::size_t c = 0; c < run.eigen.size(); ++c) {
     const EigenReport& e = run.eigen[c];
-    if (!e.converged || !within_tolerance(e, options)) {
+    if (!e.converged || !within_tolerance(e, options.eigen)) {
       if (failed.count++ == 0) said = e.message;
       if (failed.first.size() < most_named) failed.first.push_back(static_cast<Index>(c));
     }
-    if (e.next && *e.next - e.lambda <= degenerate_gap * std::abs(*e.next)) {
-      if (static_cast<std::size_t>(degenerate.count++) < most_named) degenerate.first.push_back(static_cast<Index>(c));
-    }
+    if (!e.next || *e.next - e.lambda > small_gap * std::abs(*e.next)) continue;
+    Remark& remark = *e.next - e.lambda <= degenerate_gap * std::abs(*e.next) ? degenerate : close;
+    if (static_cast<std::size_t>(remark.count++) < most_named) remark.first.push_back(static_cast<Index>(c));
   }
   if (failed.count > 0) {
     failed.message = "the eigensolver did not reach the tolerance on " +
@@ -149,6 +149,13 @@ void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vect
     degenerate.message =
         "the smallest eigenvalue is multiple (a symmetric surface): the field is one of many equally smooth ones";
     remarks.push_back(std::move(degenerate));
+  }
+  if (close.count > 0) {
+    close.message =
+        "a second field is nearly as smooth, to a part in a thousand: which of the two, or of their mixtures, comes "
+        "out "
+        "hangs on details of the mesh";
+    remarks.push_back(std::move(close));
   }
 }
 
@@ -186,6 +193,20 @@ Smallest least_known(const std::vector<EigenReport>& reports) {
   return reports.empty() ? Smallest::not_checked : Smallest::proven;
 }
 
+/// The largest angle, if there is one of every component, and the least that any of them rests on.
+void judge_angles(const std::vector<EigenReport>& reports, Certificate& certificate) {
+  if (reports.empty()) return;
+  certificate.angle = 0;
+  certificate.angle_check = AngleCheck::bounded;
+  for (const EigenReport& e : reports) {
+    if (certificate.angle && e.angle)
+      certificate.angle = std::max(*certificate.angle, *e.angle);
+    else
+      certificate.angle.reset();
+    certificate.angle_check = std::min(certificate.angle_check, e.angle_check);
+  }
+}
+
 Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   Certificate certificate;
   certificate.connection_converged =
@@ -193,8 +214,9 @@ Certificate certify(const FieldRun& run, const FieldRunOptions& options) {
   certificate.eigen_converged =
       std::all_of(run.eigen.begin(), run.eigen.end(), [](const EigenReport& e) { return e.converged; });
   certificate.residual_small = std::all_of(run.eigen.begin(), run.eigen.end(),
-                                           [&](const EigenReport& e) { return within_tolerance(e, options); });
+                                           [&](const EigenReport& e) { return within_tolerance(e, options.eigen); });
   certificate.smallest = least_known(run.eigen);
+  judge_angles(run.eigen, certificate);
   certificate.index_sums_match =
       std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
   certificate.finite = parallel_reduce(

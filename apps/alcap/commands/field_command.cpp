@@ -124,6 +124,9 @@ std::string summary(const FieldOptions& options, const Json& report) {
     const std::string next = eigen["next"].is_null() ? "" : fmt::format(" (next {})", short_text(eigen["next"]));
     line("field", fmt::format("n = {}, eigenvalue {}{}, residual {}, {}", n, short_text(eigen["lambda"]), next,
                               short_text(eigen["residual"]), eigen["solver"].get<std::string>()));
+    if (!eigen["angle_degrees"].is_null())
+      line("directions", fmt::format("off by {} degrees at most, as root mean square ({})",
+                                     short_text(eigen["angle_degrees"]), eigen["angle_check"].get<std::string>()));
     line("smallest", smallest_text(report));
     if (report.contains("modes")) line("modes", modes_text(report["modes"]));
   }

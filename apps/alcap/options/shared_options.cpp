@@ -301,9 +301,15 @@ void add_eigen_options(cli::App& app, EigenOptions& options) {
       ->capture_default_str()
       ->check(cli::IsMember(methods))
       ->group("Solver");
-  app.add_option("--tolerance", options.tolerance, "Relative residual of the eigenvector that is asked for and checked")
+  app.add_option("--angle-tolerance", options.angle_tolerance,
+                 "Instead of --tolerance: degrees that directions may be off, as root mean square, by a bound that is "
+                 "checked; 0.01 is quicker and nothing that shows")
+      ->type_name("DEGREES")
+      ->check(cli::PositiveNumber)
+      ->group("Solver");
+  app.add_option("--tolerance", options.tolerance,
+                 "Relative residual of the eigenvector that is asked for and checked; 1e-8 without it")
       ->type_name("X")
-      ->capture_default_str()
       ->check(cli::PositiveNumber)
       ->group("Solver");
   app.add_option("--max-iterations", options.max_iterations, "Give up after so many linear solves")

@@ -50,6 +50,10 @@ Json eigen_json(const EigenReport& eigen) {
           {"next", optional_number(eigen.next)},
           {"residual", number(eigen.residual)},
           {"energy_residual", number(eigen.energy_residual)},
+          {"distance", number(eigen.distance)},
+          {"angle_degrees", optional_number(eigen.angle)},
+          {"angle_check", name(eigen.angle_check)},
+          {"angle_at_vertices_degrees", optional_number(eigen.angle_at_vertices)},
           {"smallest", name(eigen.smallest)},
           {"lower_bound", optional_number(eigen.lower_bound)},
           {"smallest_note", in_flags(eigen.smallest_note)},
@@ -97,7 +101,10 @@ Json eigen_summary(const FieldRun& run, const FieldRunOptions& options) {
   json["iterations"] = iterations;
   json["converged"] = run.certificate.eigen_converged;
   json["seconds"] = number(seconds);
-  json["tolerance"] = number(options.eigen.tolerance);
+  json["angle_degrees"] = optional_number(run.certificate.angle);
+  json["angle_check"] = name(run.certificate.angle_check);
+  json["tolerance"] = number(options.eigen.residual_tolerance());
+  json["angle_tolerance_degrees"] = options.eigen.by_angle() ? number(options.eigen.angle_tolerance) : Json(nullptr);
   json["component"] = largest;
   return json;
 }
@@ -257,7 +264,8 @@ Json options_json(const FieldRunOptions& options) {
           {"tan_cap", number(options.connection.global.tan_cap)},
           {"cones", std::move(cones)},
           {"balance_cones", options.connection.balance_cones},
-          {"tolerance", number(options.eigen.tolerance)},
+          {"tolerance", optional_number(options.eigen.tolerance)},
+          {"angle_tolerance_degrees", number(options.eigen.angle_tolerance)},
           {"solver", options.eigen.solver},
           {"method", options.eigen.method},
           {"prove", name(options.eigen.prove_smallest)},
@@ -468,7 +476,9 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
                            {"residual_small", certificate.residual_small},
                            {"index_sums_match", certificate.index_sums_match},
                            {"finite", certificate.finite},
-                           {"smallest", name(certificate.smallest)}};
+                           {"smallest", name(certificate.smallest)},
+                           {"angle_degrees", optional_number(certificate.angle)},
+                           {"angle_check", name(certificate.angle_check)}};
   if (run.features) {
     report["certified"] = certificate.holds();
     report["certificate"]["directions_settled"] = certificate.directions_settled;

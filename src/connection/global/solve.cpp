@@ -82,7 +82,10 @@ bool open(const Mesh& mesh, const FacePairs& faces, std::int64_t i) {
 }  // namespace
 
 Corrections solve_free(const FaceEnergy& energy, const LiftedState& state, const GlobalOptions& options) {
-  constexpr double float_reduction = 1e-5;  // what a float solve gains before its rounding shows
+  // What a float solve gains before its rounding shows. It shows in the number of iterations at first, so a little more
+  // is right where that is the end; less so the harder the system, whose condition grows as 1 / detail.
+  constexpr double float_reduction = 1e-5, last_of_all = 3e-7;
+  const double last_reduction = last_of_all / std::sqrt(std::min(1.0, energy.lambda));
   const Mesh& mesh = energy.mesh;
   Corrections c = no_corrections(mesh, pair_faces(mesh, energy.geometry));
   Array<EdgeCorrection> forces(2 * std::int64_t{c.faces.outer});
@@ -108,7 +111,8 @@ Corrections solve_free(const FaceEnergy& energy, const LiftedState& state, const
     if (in_double)
       rounds.add(improve(*in_double, in_double->start(gradient), rounds.wanted(), rounds.left()));
     else
-      rounds.add(improve(system, square, std::max(float_reduction, rounds.wanted()), rounds.left()));
+      rounds.add(improve(system, square, rounds.wanted() >= last_reduction ? rounds.wanted() : float_reduction,
+                         rounds.left()));
     relaxation.all(system);
   }
   return c;

@@ -289,7 +289,9 @@ void solve_piece(const Problem& problem, std::size_t c, const AlignedOptions& op
                  ComplexVectorX<double>& u) {
   const std::vector<Index>& vertices = problem.vertices(c);
   if (piece.held == 0 && piece.rows == 0) {
-    EigenResult smooth = problem.smoothest(c, options.eigen);
+    EigenOptions eigen = options.eigen;
+    eigen.degree = options.n;
+    EigenResult smooth = problem.smoothest(c, eigen);
     for (std::size_t k = 0; k < vertices.size(); ++k) u[vertices[k]] = smooth.u[static_cast<Eigen::Index>(k)];
     piece.settled = true;
     piece.residual = smooth.report.residual;

@@ -290,9 +290,11 @@ void ControlledPencil::add_fixed() {
 void ControlledPencil::solve(const StiffnessMass& matrices, EigenDesignResult& result) const {
   result.components.resize(areas_.size());
   const bool whole = areas_.size() == 1 && mesh_.referenced_vertices() == mesh_.vertices();
+  EigenOptions eigen_options = options_.eigen;
+  eigen_options.degree = options_.n;
   const auto solve_one = [&](std::size_t c, const SparseMatrix<C>& S, const SparseMatrix<C>& M) {
     return rows_[c].along.empty() && options_.path == EigenPath::automatic
-               ? smallest_eigenpair(S, M, areas_[c], options_.eigen)
+               ? smallest_eigenpair(S, M, areas_[c], eigen_options)
                : detail::smallest_with_rows(S, M, rows_[c], sizes_[c], options_);
   };
   parallel_for(

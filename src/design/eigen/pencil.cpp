@@ -95,7 +95,7 @@ class Pencil {
 
   [[nodiscard]] SolverOptions solver_options() const {
     return {.name = options_.eigen.solver,
-            .tolerance = std::max(1e-2 * options_.eigen.tolerance, 1e-13),
+            .tolerance = std::max(1e-2 * options_.eigen.residual_tolerance(), 1e-13),
             .cancel = options_.eigen.cancel};
   }
 

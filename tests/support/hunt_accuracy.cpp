@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: MIT
+//
+// hunt_accuracy.cpp: fields to an angle of 0.01 degrees against the same solved to ten digits and more, on random
+// meshes: angles, what was said of them, singularities. No test: a run has no end but the one asked for. See
+// scripts/hunt_accuracy.sh.
+//
+//   hunt_accuracy RUNS SEED [FAMILY]
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <map>
+#include <string>
+
+#include "alcap/energies.h"
+#include "alcap/field_run.h"
+#include "tests/support/angles.h"
+#include "tests/support/random_meshes.h"
+
+namespace {
+
+using namespace alcap;
+using alcap::test::AngleError, alcap::test::Dice, alcap::test::families;
+
+struct Tally {
+  int runs = 0, bounded = 0, unknown = 0, close = 0, above_bound = 0, moved = 0;
+  double worst = 0, worst_bound = 0;
+};
+
+/// 1 where the truth is beyond what was said, or singularities differ without a reason.
+int hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
+  Dice dice(seed);
+  const MeshData mesh = families.at(family)(dice);
+  const int n = dice.whole(1, 8);
+  FieldRunOptions by_angle{.n = n};
+  by_angle.connection.global.tolerance = 1e-6;
+  by_angle.eigen.angle_tolerance = 0.01;
+  const FieldRun run = run_field(mesh.V, mesh.F, by_angle);
+  FieldRunOptions options{.n = n};
+  options.connection.global.tolerance = 1e-10;
+  options.eigen.tolerance = 1e-10;
+  const FieldRun exact = run_field(mesh.V, mesh.F, options);
+  ++tally.runs;
+  if (run.eigen.size() > 1) {
+    tally.moved += !alcap::test::moved_singularities(run.mesh(), run.indices, exact.indices).empty();
+    return 0;
+  }
+  const EigenReport& eigen = run.eigen[0];
+  const bool close = !eigen.next || *eigen.next - eigen.lambda < 1e-3 * *eigen.next;
+  const StiffnessMass m = energy_matrices(run.mesh(), run.geometry(), run.connection(), n, 0.0);
+  const AngleError error = alcap::test::angle_error(m.M, run.geometry().total_area(), run.field.u, exact.field.u, n);
+  const bool bounded = eigen.angle_check == AngleCheck::bounded;
+  // The other connection moves the field as well.
+  constexpr double of_connection = 1e-3;
+  const bool beyond = bounded && error.rms > *eigen.angle + of_connection;
+  const std::vector<Index> changed = alcap::test::moved_singularities(run.mesh(), run.indices, exact.indices);
+  const bool moved = !changed.empty();
+  // The largest |u| at their corners, beside its root mean square.
+  double length = 0;
+  for (const Index t : changed)
+    for (Index k = 0; k < 3; ++k)
+      length = std::max(length,
+                        std::abs(exact.field.u[exact.mesh().tail(3 * t + k)]) * std::sqrt(run.geometry().total_area()));
+  tally.bounded += bounded;
+  tally.unknown += !eigen.next;
+  tally.close += close && eigen.next;
+  tally.above_bound += beyond;
+  tally.moved += moved;
+  if (bounded) {
+    tally.worst = std::max(tally.worst, error.rms);
+    tally.worst_bound = std::max(tally.worst_bound, *eigen.angle);
+  }
+  if (!beyond && !moved && run.certificate.holds()) return 0;
+  std::printf(
+      "%s, seed %llu, n = %d, %d vertices: lambda %.6g, next %.6g, residual %.1e, angle %.2e (%s), true %.2e, at "
+      "vertices %.2e%s%s, |u| %.1e\n",
+      family.c_str(), static_cast<unsigned long long>(seed), n, static_cast<int>(mesh.V.rows()), eigen.lambda,
+      eigen.next.value_or(0), eigen.residual, eigen.angle.value_or(-1), std::string(name(eigen.angle_check)).c_str(),
+      error.rms, error.vertices, moved ? ", singularities moved" : "", beyond ? ", BEYOND ITS BOUND" : "", length);
+  std::fflush(stdout);
+  // Localised vectors fade to nothing: what is left of them there is rounding at any tolerance.
+  constexpr double faded = 1e-4;
+  return beyond || (moved && !close && length > faded) ? 1 : 0;
+}
+
+void print(const std::string& family, const Tally& t) {
+  std::printf("%-8s %6d %8d %8d %9d %7d %6d %10.2e %10.2e\n", family.c_str(), t.runs, t.bounded, t.unknown, t.close,
+              t.above_bound, t.moved, t.worst_bound, t.worst);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3 || (argc > 3 && families.count(argv[3]) == 0)) {
+    std::fprintf(stderr, "hunt_accuracy RUNS SEED [FAMILY]\n");
+    return 2;
+  }
+  const int runs = std::atoi(argv[1]);
+  const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
+  std::map<std::string, Tally> tallies;
+  int failures = 0;
+  for (int run = 0; run < runs;)
+    for (const auto& [family, make] : families) {
+      if ((argc > 3 && family != argv[3]) || run >= runs) continue;
+      try {
+        failures += hunt(family, seed * 1'000'003 + static_cast<std::uint64_t>(run), tallies[family]);
+      } catch (const std::exception& e) {
+        std::printf("%s, run %d: %s\n", family.c_str(), run, e.what());
+        ++failures;
+      }
+      ++run;
+    }
+  std::printf("%-8s %6s %8s %8s %9s %7s %6s %10s %10s\n", "family", "runs", "bounded", "no next", "small gap", "beyond",
+              "moved", "angle", "true");
+  Tally all;
+  for (const auto& [family, t] : tallies) {
+    print(family, t);
+    all.runs += t.runs, all.bounded += t.bounded, all.close += t.close, all.unknown += t.unknown,
+        all.above_bound += t.above_bound;
+    all.moved += t.moved;
+    all.worst = std::max(all.worst, t.worst), all.worst_bound = std::max(all.worst_bound, t.worst_bound);
+  }
+  print("all", all);
+  return failures > 0 ? 1 : 0;
+}
