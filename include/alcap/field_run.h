@@ -106,7 +106,7 @@ struct Certificate {
   Smallest smallest = Smallest::not_checked;
   /// Degrees: the largest EigenReport::angle of the components; nothing where one has none.
   std::optional<double> angle = std::nullopt;
-  AngleCheck angle_check = AngleCheck::none;  ///< what it rests on: the least of any component
+  AngleCheck angle_check = AngleCheck::unknown;  ///< what it rests on: the least of any component
   /// All of the above, and `smallest` is not refuted. Where it is not checked either, the field is an eigenvector, and
   /// the smoothest one as far as the search went.
   [[nodiscard]] bool holds() const {

@@ -137,14 +137,14 @@ struct NamesOf<Smallest> {
 
 /// What is known about the angle between an eigenvector and the true one.
 enum class AngleCheck {
-  none,       ///< nothing: the second eigenvalue is not known, or so close that any vector of both will do
+  unknown,    ///< nothing: the second eigenvalue is not known, or so close that any vector of both will do
   estimated,  ///< the second eigenvalue is not proven, only approximated: it may lie closer
   bounded,    ///< no eigenvalue but the smallest lies below the one that the bound is made with
 };
 template <>
 struct NamesOf<AngleCheck> {
   static constexpr auto table = detail::name_table<AngleCheck>(
-      {{AngleCheck::none, "none"}, {AngleCheck::estimated, "estimated"}, {AngleCheck::bounded, "bounded"}});
+      {{AngleCheck::unknown, "none"}, {AngleCheck::estimated, "estimated"}, {AngleCheck::bounded, "bounded"}});
 };
 
 /// How the smallest eigenpair is computed.
@@ -198,7 +198,7 @@ struct EigenReport {
   /// mean square of the sines of all angles, over the surface and weighted by |u|^2 (Davis and Kahan 1970). Nothing
   /// where no `next` is known, or it is too close for the bound to say anything.
   std::optional<double> angle;
-  AngleCheck angle_check = AngleCheck::none;  ///< what the angle rests on
+  AngleCheck angle_check = AngleCheck::unknown;  ///< what the angle rests on
   /// Degrees, an estimate: the largest of these angles among the vertices where |u| is at least a tenth of its root
   /// mean square (nearer to zeros directions mean little): what `angle` allows everywhere, and what single vertices
   /// would still move by.

@@ -107,7 +107,7 @@ void judge_angle(const EigenProblem& problem, const EigenOptions& options, doubl
   EigenReport& report = result.report;
   report.angle.reset();
   report.angle_at_vertices.reset();
-  report.angle_check = AngleCheck::none;
+  report.angle_check = AngleCheck::unknown;
   const double gap = above - report.lambda;
   if (!(gap > report.distance)) return;
   const double sine = report.distance / gap;

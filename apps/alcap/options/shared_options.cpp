@@ -307,8 +307,9 @@ void add_eigen_options(cli::App& app, EigenOptions& options) {
       ->type_name("DEGREES")
       ->check(cli::PositiveNumber)
       ->group("Solver");
-  app.add_option("--tolerance", options.tolerance,
-                 "Relative residual of the eigenvector that is asked for and checked; 1e-8 without it")
+  app.add_option_function<double>(
+         "--tolerance", [&options](const double& x) { options.tolerance = x; },
+         "Relative residual of the eigenvector that is asked for and checked; 1e-8 without it")
       ->type_name("X")
       ->check(cli::PositiveNumber)
       ->group("Solver");
