@@ -112,7 +112,7 @@ Json times_json(const Inputs& in, const DesignTimes& times, double write, double
 Outcome run(const DesignOptionsGiven& options, const Common& common, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
-  check_names(plan,
+  check_names(plan, options.files,
               {{"--report", common.report},
                {"--html", options.show.html},
                {"--png", options.show.picture.file},

@@ -213,7 +213,7 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   const detail::Stopwatch total;
   const OutputPlan plan = plan_files(options.files);
   imply_alignment(options);
-  check_names(plan,
+  check_names(plan, options.files,
               {{"--report", common.report},
                {"--html", options.show.html},
                {"--png", options.show.picture.file},

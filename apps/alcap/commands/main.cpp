@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -264,17 +265,28 @@ int start(int argc, char** argv) {
   return static_cast<int>(Exit::usage);
 }
 
-/// Memory may run out where nothing can be thrown any more: in words about an error, and in the destructors of
-/// nlohmann's lists and objects, which take some.
+/// Memory may run out where nothing can be thrown any more: in words about an error, in the destructors of nlohmann's
+/// lists and objects, which take some, and in the standard library's own noexcept functions (listing a folder), which
+/// do not say what was thrown.
+std::atomic<bool> memory_ran_out{false};
+
+[[noreturn]] void no_memory() {
+  memory_ran_out = true;
+  throw std::bad_alloc();
+}
+
 [[noreturn]] void end_without_memory() noexcept {
+  const std::exception_ptr thrown = std::current_exception();
+  bool memory = !thrown && std::uncaught_exceptions() > 0 && memory_ran_out;
   try {
-    if (const std::exception_ptr thrown = std::current_exception()) std::rethrow_exception(thrown);
+    if (thrown) std::rethrow_exception(thrown);
   } catch (const std::bad_alloc&) {
-    (void)std::fputs("alcap: out of memory\n", stderr);
-    std::_Exit(static_cast<int>(Exit::solver));
+    memory = true;
   } catch (...) {  // a bug: ended as always
   }
-  std::abort();
+  if (!memory) std::abort();
+  (void)std::fputs("alcap: out of memory\n", stderr);
+  std::_Exit(static_cast<int>(Exit::solver));
 }
 
 /// Ends the program without the exit handlers of libraries: where threads could not be started (ulimit -v), OpenBLAS's
@@ -295,6 +307,7 @@ int leave(int code) {
 }  // namespace alcap::app
 
 int main(int argc, char** argv) {
+  std::set_new_handler(alcap::app::no_memory);
   std::set_terminate(alcap::app::end_without_memory);
   alcap::app::reserve_standard_streams();
   alcap::app::keep_freed_memory();

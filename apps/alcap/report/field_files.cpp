@@ -56,22 +56,23 @@ OutputPlan plan_files(const FilesChoice& choice) {
 
 namespace {
 
-/// Whether write_files() puts a file of this name into a folder, in one format or another.
-bool is_written(const std::string& name) {
+/// Whether write_files() puts a file of this name into a folder, in one format or another, or for another program.
+bool is_written(const std::string& name, bool handed_over) {
   if (name == "design.json" || name == "field_singularities.vtp") return true;
   return name.starts_with("field.") &&
          (!field_format(name).empty() || name.ends_with(".sings") || name.ends_with(".sharp") ||
-          name.ends_with(".obj") || name.ends_with(".off") || name.ends_with(".txt"));
+          (handed_over && (name.ends_with(".obj") || name.ends_with(".off") || name.ends_with(".txt"))));
 }
 
 }  // namespace
 
-void check_names(const OutputPlan& plan, const std::vector<NamedPath>& others, const std::vector<NamedPath>& inputs) {
+void check_names(const OutputPlan& plan, const FilesChoice& choice, const std::vector<NamedPath>& others,
+                 const std::vector<NamedPath>& inputs) {
   std::vector<NamedPath> outputs = others;
   if (plan.kind == OutputPlan::Kind::folder) {
     for (const auto& [flag, path] : others) {
       const std::string name = path.filename().string();
-      if (is_written(name)) outputs.emplace_back("-o", plan.target / name);
+      if (is_written(name, choice.reader.has_value())) outputs.emplace_back("-o", plan.target / name);
     }
   } else if (plan.kind == OutputPlan::Kind::file) {
     outputs.emplace_back("-o", plan.target);

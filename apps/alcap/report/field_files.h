@@ -33,7 +33,8 @@ void add_files_options(cli::App& app, FilesChoice& choice);
 
 /// Throws Failure(usage) when what is written as planned, and the `others`, are not all different files, or one of them
 /// is an input.
-void check_names(const OutputPlan& plan, const std::vector<NamedPath>& others, const std::vector<NamedPath>& inputs);
+void check_names(const OutputPlan& plan, const FilesChoice& choice, const std::vector<NamedPath>& others,
+                 const std::vector<NamedPath>& inputs);
 
 /// What is written of a run, a FieldRun or a DesignRun; refers to it. `unit`: its field is one of unit directions.
 template <class Run>
