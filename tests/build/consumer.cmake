@@ -4,7 +4,7 @@
 #   find_package   installs alcap to a fresh folder, moves that folder, and finds it there
 #   pkg_config     installs it likewise, and compiles by what pkg-config says
 #   subdirectory   add_subdirectory(alcap) in a parent that checks that nothing of it changed
-#   fetch_content FetchContent in a parent, with the sources where they are
+#   fetch_content  FetchContent in a parent, with the sources where they are; compiles the parent, not the library
 #   default_build  configures alcap alone without a build type and looks at the flags
 cmake_minimum_required(VERSION 3.25)
 
@@ -51,7 +51,7 @@ elseif(KIND STREQUAL "pkg_config")
   run(compile ${CXX} -std=c++20 ${ALCAP_SOURCE}/tests/build/consumer.cpp -o ${WORK}/build/consumer ${flags}
     -Wl,-rpath,${libraries})
 elseif(KIND MATCHES "subdirectory|fetch_content")
-  # All of alcap is compiled once more: without optimisation, because what is tested is the embedding.
+  # All of alcap is compiled once more (subdirectory): without optimisation, because what is tested is the embedding.
   if(CONFIG STREQUAL "Release")
     list(APPEND typed -D "CMAKE_CXX_FLAGS_RELEASE=-O0 -DNDEBUG" -D ALCAP_HARDENED=OFF)
   endif()
@@ -65,6 +65,10 @@ elseif(KIND STREQUAL "default_build")
     message(FATAL_ERROR "a configure without a build type does not optimise: ${commands}")
   endif()
   message(STATUS "default flags: ok")
+  return()
+endif()
+if(KIND STREQUAL "fetch_content")
+  run(compile ${CMAKE_COMMAND} --build ${WORK}/build --config ${CONFIG} --target consumer_object)
   return()
 endif()
 if(NOT KIND STREQUAL "pkg_config")
