@@ -31,8 +31,8 @@ std::vector<Root> find_roots(const Patch& patch, const std::vector<Index>& label
     std::ranges::sort(roots, [](const Root& a, const Root& b) {
       return std::array{a.label, a.first_face} < std::array{b.label, b.first_face};
     });
-    const auto rest = std::ranges::unique(roots, {}, &Root::label);
-    roots.erase(rest.begin(), rest.end());
+    const auto same_label = [](const Root& a, const Root& b) { return a.label == b.label; };
+    roots.erase(std::unique(roots.begin(), roots.end(), same_label), roots.end());
   };
   reduce(mine);
   std::vector<Root> all = gather_all(mine);

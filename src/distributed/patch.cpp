@@ -73,8 +73,8 @@ LocalFaces faces_of(const std::vector<Index>& vertices, const Rings& rings, Loca
       entries.push_back(e);
     }
   std::ranges::sort(entries, {}, &Entry::face);
-  const auto rest = std::ranges::unique(entries, {}, &Entry::face);
-  entries.erase(rest.begin(), rest.end());
+  const auto same_face = [](const Entry& a, const Entry& b) { return a.face == b.face; };
+  entries.erase(std::unique(entries.begin(), entries.end(), same_face), entries.end());
   LocalFaces faces;
   faces.F.resize(static_cast<Eigen::Index>(entries.size()), 3);
   for (std::size_t t = 0; t < entries.size(); ++t) {

@@ -147,7 +147,8 @@ void limit_growth(const Surface& surface, double growth, VectorX<double>& h) {
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open(std::greater<>(), std::move(entries));
   for (std::int64_t step = 0; !open.empty(); ++step) {
     detail::check_cancelled_at(step);
-    const auto [value, v] = open.top();
+    const double value = open.top().first;
+    const Index v = open.top().second;
     open.pop();
     if (value > h[v]) continue;
     const auto reach = [&](Index e, Index other) {

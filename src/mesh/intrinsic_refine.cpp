@@ -211,7 +211,7 @@ Index Refinement::influenced(const Place& place) const {
   return none;
 }
 
-void Refinement::settle(std::vector<Index> faces) {
+void Refinement::settle(const std::vector<Index>& faces) {
   std::vector<Index> changed = faces;
   flips_.around(faces, changed);
   std::sort(changed.begin(), changed.end());
@@ -223,7 +223,7 @@ void Refinement::halve(Index e) {
   const Index p = mesh_.split_edge(e, 0.5);
   std::vector<Index> faces;
   mesh_.for_each_around(p, [&](Index h) { faces.push_back(Mesh::face(h)); });
-  settle(std::move(faces));
+  settle(faces);
 }
 
 void Refinement::put_vertex(const Place& place) {
@@ -256,7 +256,7 @@ void Refinement::put_vertex(const Place& place) {
                                     : mesh_.split_edge(on, fraction);
   std::vector<Index> faces;
   mesh_.for_each_around(p, [&](Index h) { faces.push_back(Mesh::face(h)); });
-  settle(std::move(faces));
+  settle(faces);
 }
 
 void Refinement::run() {

@@ -71,13 +71,13 @@ class Refinement {
   [[nodiscard]] bool encroached(Index h) const;
   void look_at(Index t);
   [[nodiscard]] bool same(const Bad& bad) const;
-  void cure(const Bad& bad);
+  void cure(const Bad& worst);
   [[nodiscard]] Place walk_to_centre(Index t) const;
   [[nodiscard]] IntrinsicMesh::Points across(const IntrinsicMesh::Points& p, std::size_t k, Index g) const;
   [[nodiscard]] Index influenced(const Place& place) const;
   void halve(Index e);
   void put_vertex(const Place& place);
-  void settle(std::vector<Index> faces);
+  void settle(const std::vector<Index>& faces);
 
   IntrinsicMesh& mesh_;
   DelaunayFlips& flips_;
