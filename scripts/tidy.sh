@@ -12,8 +12,8 @@ case ${1:-} in
   *) die "unknown option $1; tidy.sh takes --all or nothing." ;;
 esac
 
-# Only the code that is shipped.
-sources() { git ls-files -- 'src/*.cpp' 'solvers/*.cpp' 'apps/*.cpp'; }
+# Only the code that is shipped, and compiled here: src/base/portable/ is what a portable build has in its place.
+sources() { git ls-files -- 'src/*.cpp' 'solvers/*.cpp' 'apps/*.cpp' ':!src/base/portable/*'; }
 
 # The commit to compare with; fails where there is none.
 base() {
