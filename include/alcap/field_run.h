@@ -70,9 +70,10 @@ struct FieldRunOptions {
   /// = 0.
   std::optional<FieldAlignment> align = std::nullopt;
   Triangulation triangulation = Triangulation::automatic;  // needles cost time and digits, good triangles nothing
-  /// Of the intrinsic triangulation, radians, see IntrinsicOptions. 20 degrees are reached on every mesh. Above 0 no
-  /// circumcircle is larger than 1.5 times that of a triangle of the mean area either: with large ones eigenvalues on
-  /// shafts of needles are percents off. 0: flips alone.
+  /// Of the intrinsic triangulation, radians, see IntrinsicOptions. Corners that the surface itself has may be smaller,
+  /// and where a budget ends it SolvedTriangulation::complete is false. Above 0 no circumcircle is larger than 1.5
+  /// times that of a triangle of the mean area either: with large ones eigenvalues of needles are percents off.
+  /// 0: flips alone.
   double min_angle = 20 * pi<double> / 180;
   bool normalise = false;  // true: divide by |u| afterwards, an n-direction field
   int threads = 0;         // 0: as many as the machine has; results do not depend on it

@@ -4,6 +4,7 @@
 // src/connection/global/ has it on one machine, in double and with single faces. An edge is owned with its smaller
 // vertex. Its owner has both of its faces, whose other edges' corrections come from their owners in every step.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
