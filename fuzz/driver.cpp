@@ -6,6 +6,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -89,8 +90,11 @@ int main(int argc, char** argv) {
     if (text.starts_with("-seed=")) seed = std::stoull(value);
     if (text.starts_with("-artifact_prefix=")) crash_file = value + "crash";
     if (text.starts_with("-")) continue;
-    for (const auto& entry : std::filesystem::directory_iterator(text)) {
-      std::ifstream file(entry.path(), std::ios::binary);
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(text)) files.push_back(entry.path());
+    std::sort(files.begin(), files.end());  // the same seed gives the same inputs on every file system
+    for (const auto& name : files) {
+      std::ifstream file(name, std::ios::binary);
       corpus.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
     }
   }

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const CurveSet leaving = separatrices(surface, field, find_singularities(surface, field), options);
     for (const CurveSet* c : {&even, &leaving}) {
       fuzz::demand(c->points.allFinite(), "points are finite");
-      fuzz::demand(c->points.rows() < 400'000, "curves have a budget");
+      fuzz::demand(c->points.rows() <= options.max_points + 4 * c->size(), "curves have a budget");
     }
   } catch (const Error&) {
   }

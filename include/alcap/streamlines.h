@@ -107,8 +107,9 @@ struct StreamlineOptions {
   CurveSides sides = CurveSides::both;  // of trace_curves(): streamlines run both ways
   std::int64_t max_curves = 1'000'000;  // of streamlines(): a bound on memory when `spacing` is too small for the mesh
   /// Points (and steps between them) of all curves together, a bound on time and memory where thin faces make curves
-  /// wind without end; a single curve gets a part of them. 0: some for every face and for every sample that `spacing`
-  /// asks for, at most 20 million and two per face. Curves that reach it end as CurveEnd::budget.
+  /// wind without end; a single curve gets a part of them. The ends of each curve may come on top. 0: some for every
+  /// face and for every sample that `spacing` asks for, about 20 million and two per face at most. Curves that reach it
+  /// end as CurveEnd::budget.
   std::int64_t max_points = 0;
   RunControl control = {};  // phase "curves"
 };

@@ -99,10 +99,10 @@ Cplx Flow::across(Index h, double s) const {
                         edge_to_face_at(mesh_, connection_, mesh_.twin(h), 1 - s));
 }
 
-Straight Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
-                           Cplx& turned) const {
+Straight Flow::straight_on(const SurfacePoint& p, Cplx w, double length, std::int64_t most,
+                           std::vector<SurfacePoint>& crossed, Cplx& turned) const {
   // A bound for walks around a vertex in ever thinner faces.
-  const std::int64_t most_faces = std::min<std::int64_t>(100'000, 1000 + 4 * std::int64_t{mesh_.faces()});
+  const std::int64_t most_faces = std::min({most, std::int64_t{100'000}, 1000 + 4 * std::int64_t{mesh_.faces()}});
   constexpr double off_vertex = 1e-9;  // of an edge: vertices are passed by
   SurfacePoint at = p;
   crossed.push_back(p);

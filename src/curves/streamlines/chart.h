@@ -152,10 +152,11 @@ class Flow {
   }
 
   /// Straight on over the surface from p, `length` in the direction of the unit number w in the face of p, unless a
-  /// boundary is in the way or there are too many faces. `crossed` receives p, the points on edges, and the end, each
-  /// in the face before it; `turned` times a direction at p is that direction at the end, carried by unfolding.
-  [[nodiscard]] Straight straight_on(const SurfacePoint& p, Cplx w, double length, std::vector<SurfacePoint>& crossed,
-                                     Cplx& turned) const;
+  /// boundary is in the way or there are more than `most` faces. `crossed` receives p, the points on edges, and the
+  /// end, each in the face before it; `turned` times a direction at p is that direction at the end, carried by
+  /// unfolding.
+  [[nodiscard]] Straight straight_on(const SurfacePoint& p, Cplx w, double length, std::int64_t most,
+                                     std::vector<SurfacePoint>& crossed, Cplx& turned) const;
 
   [[nodiscard]] Eigen::RowVector3d position(Index t, const Barycentric& b) const;
   /// A direction of a face in space, of length about 1.

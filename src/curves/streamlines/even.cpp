@@ -162,7 +162,8 @@ class EvenlySpaced {
       if (surely_taken(s, side.turn)) continue;
       std::vector<SurfacePoint> way;
       Cplx turned{1, 0};
-      const Straight there = flow_.straight_on(s.point, side.turn * kernels::times_i(s.v), spacing_, way, turned);
+      const Straight there =
+          flow_.straight_on(s.point, side.turn * kernels::times_i(s.v), spacing_, limits_.work, way, turned);
       side.work += count_of(way);
       if (side.work > limits_.work) {
         side.next = side.stations->size();  // the faces here are so thin that there is no end to it

@@ -52,14 +52,17 @@ Curve leave(const Flow& flow, const Singularity& zero, double radius, double phi
   curve.start = CurveEnd::singularity;
   std::vector<SurfacePoint> way;
   Cplx turned{1, 0};
-  const Straight first = flow.straight_on({zero.face, zero.barycentric}, kernels::unit(phi), radius, way, turned);
+  const SurfacePoint centre{zero.face, zero.barycentric};
+  const Straight first = flow.straight_on(centre, kernels::unit(phi), radius, limits.work, way, turned);
   work += count_of(way);
   if (first != Straight::there) {
     curve.points = way;
     curve.end = first == Straight::boundary ? CurveEnd::boundary : CurveEnd::budget;
     return curve;
   }
-  const Path path = trace_path(flow, way.back(), kernels::unit(phi) * turned, sign, limits);
+  PathLimits left = limits;
+  left.work -= count_of(way);
+  const Path path = trace_path(flow, way.back(), kernels::unit(phi) * turned, sign, left);
   work += path.work;
   curve.points = way;
   for (std::size_t k = 1; k < path.points.size(); ++k) curve.points.push_back({path.points[k].face, path.points[k].b});
@@ -77,12 +80,15 @@ Leaving leave_all(const Flow& flow, const Singularity& zero, const PathLimits& l
   Leaving out;
   if (!zero.located || zero.index == flow.n()) return out;
   const double radius = start_radius * limits.zero_radius;
+  const std::int64_t all = limits.work * (flow.n() + 1);
+  PathLimits within = limits;
   for (const int sign : {1, -1}) {
     if (sign < 0 && flow.n() % 2 == 0) break;  // the opposite of a branch is one
     const FaceChart chart = flow.chart(zero.face, sign);
     for (const double phi : outward_angles(chart, flow.n(), zero, radius)) {
-      if (out.work > limits.work * (flow.n() + 1)) return out;
-      out.curves.push_back(leave(flow, zero, radius, phi, sign, limits, out.work));
+      if (out.work >= all) return out;
+      within.work = std::min(limits.work, all - out.work);
+      out.curves.push_back(leave(flow, zero, radius, phi, sign, within, out.work));
     }
   }
   return out;

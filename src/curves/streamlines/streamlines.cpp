@@ -44,7 +44,8 @@ CurveBudget::CurveBudget(const Flow& flow, const StreamlineOptions& options, dou
   // and on strips of long faces all of them.
   const double all = finer * (1e5 + 32 * faces * families + 8 * all_samples);
   const double one = finer * (4096 + 4 * faces + 64 * options.max_length * flow.diagonal() / flow.mean_edge());
-  least_ = to_integer(finer * (4096 + 4 * samples), std::int64_t{1}, most);
+  // Short of what is left, a path still gets enough to show where it goes; not where the caller has set a bound.
+  least_ = options.max_points > 0 ? 1 : to_integer(finer * (4096 + 4 * samples), std::int64_t{1}, most);
   curve_ = to_integer(one + 4 * finer * samples, least_, most);
   left_ =
       options.max_points > 0 ? options.max_points : to_integer(std::min(2e7 + 2 * faces, all), std::int64_t{1}, most);
