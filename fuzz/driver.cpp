@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
 // driver.cpp: runs a fuzz target where libFuzzer is not at hand: every file of the given folders, then random changes
-// of them until the time is over. Takes libFuzzer's options -max_total_time, -seed and -artifact_prefix. The input that
-// ends the program is written to PREFIXcrash.
+// of them until the time is over. Takes libFuzzer's options -max_total_time (ALCAP_FUZZ_SECONDS wins), -seed and
+// -artifact_prefix. The input that ends the program is written to PREFIXcrash.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -98,6 +99,7 @@ int main(int argc, char** argv) {
       corpus.emplace_back(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
     }
   }
+  if (const char* const asked = std::getenv("ALCAP_FUZZ_SECONDS")) seconds = std::stod(asked);
   for (const int number : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGTERM}) std::signal(number, keep_input);
   for (const Input& input : corpus) run(input);
   if (corpus.empty()) corpus.emplace_back();

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 //
 // test_same_bits.cpp: fields of every connection, aligned fields, modes, designs and curves have the same bits for 1,
-// 2, 4 and 8 threads, with factorisations too where BLAS has one thread.
+// 2, 4 and 8 threads, with factorisations too where BLAS has one thread; and when several are made at the same time.
 #include <doctest/doctest.h>
 
 #include <functional>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "alcap/connected_surface.h"
 #include "alcap/design_run.h"
+#include "alcap/designer.h"
 #include "alcap/streamlines.h"
 #include "src/base/parallel.h"
 #include "tests/support/mesh_helpers.h"
@@ -114,4 +117,41 @@ TEST_CASE("designs and curves have the same bits for 1, 2, 4 and 8 threads") {
   const MeshData mesh = jittered_sphere(5, 0.2, 1);
   const Surface surface(mesh.V, mesh.F);
   check_same(design_jobs(surface));
+}
+
+TEST_CASE("designs made at the same time on one surface, from threads of the caller, have the bits of each alone") {
+  one_blas_thread();
+  const MeshData mesh = jittered_sphere(3, 0.2, 1);
+  const Surface surface(mesh.V, mesh.F);  // the same for all, with what it computes when it is first asked
+  const ConnectedSurface connected = connect(surface);
+  const auto variational = parse_design(R"({"alcap_design":1,"n":4,"singularities":[{"face":5,"kind":"saddle"}],
+    "strokes":[{"vertices":[0,300]}],"guidance":{"field":"smoothest","weight":0.5}})");
+  const auto eigen = parse_design(R"({"alcap_design":1,"n":2,"method":"eigen",
+    "singularities":[{"face":700,"kind":"wedge"}]})");
+  const std::vector<std::function<std::string()>> calls{
+      [&] { return bytes(run_design(surface, variational).field.u); },
+      [&] { return bytes(run_design(surface, eigen).field.u); },
+      [&] {
+        Designer designer(connected, {.n = 4, .guidance_weight = 1});
+        const ControlId id = designer.add(SingularityTarget{.face = 10, .sign = -1});
+        (void)designer.solve();
+        designer.set(id, SingularityTarget{.face = 10, .sign = -1, .orientation = 0.3});
+        return bytes(designer.solve().field.u);
+      },
+      [&] {
+        const FieldRun run = run_field(surface, {.n = 4});
+        return bytes(separatrices(run.surface, run.field, run.singularities).points);
+      }};
+  std::vector<std::string> alone;
+  for (const auto& call : calls) alone.push_back(call());
+  constexpr std::size_t rounds = 3;
+  std::vector<std::string> together(rounds * calls.size());
+  std::vector<std::thread> threads;
+  for (std::size_t k = 0; k < together.size(); ++k)
+    threads.emplace_back([&, k] { together[k] = calls[k % calls.size()](); });
+  for (std::thread& thread : threads) thread.join();
+  for (std::size_t k = 0; k < together.size(); ++k) {
+    CAPTURE(k);
+    CHECK((together[k] == alone[k % calls.size()]));
+  }
 }
