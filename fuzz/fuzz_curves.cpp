@@ -15,7 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const ConnectedSurface surface = connect(Surface(m.V, m.F), {.kind = ConnectionKind::local});
     Field field{.n = n, .u = ComplexVectorX<double>(m.V.rows()), .frames = surface.frames()};
     for (Eigen::Index v = 0; v < m.V.rows(); ++v) field.u[v] = {in.real(), in.real()};
-    const StreamlineOptions options{.spacing = 0.05 * in.scale(1), .max_points = 20'000};
+    const StreamlineOptions options{.spacing = 0.05 * in.scale(1), .max_points = 3'000};
     const CurveSet even = streamlines(surface, field, options);
     const CurveSet leaving = separatrices(surface, field, find_singularities(surface, field), options);
     for (const CurveSet* c : {&even, &leaving}) {

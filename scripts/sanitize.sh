@@ -23,9 +23,11 @@ if [ "$what" = valgrind ]; then
   install_packages valgrind
   build "${ALCAP_PRESET:-release}" test_kernels
   say "The loops of src/simd under valgrind"
-  # Valgrind knows packs up to AVX2; the program asks the processor, so AVX-512 is not tried.
+  # Valgrind knows packs up to AVX2; the program asks the processor, so AVX-512 is not tried. Quadrature is done in long
+  # double, for which valgrind takes double: those references are not exact enough there.
   valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite \
-    "build/${ALCAP_PRESET:-release}/tests/test_kernels" "$@" || die "valgrind found something, or a test failed"
+    "build/${ALCAP_PRESET:-release}/tests/test_kernels" --test-case-exclude='*quadrature*' \
+    --source-file='*test_angles.cpp,*test_kernels_exp.cpp,*test_kernels_simd.cpp' "$@" || die "valgrind found something"
   exit 0
 fi
 
