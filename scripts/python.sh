@@ -1,18 +1,20 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# python.sh [--build FOLDER] [--work FOLDER] [pytest options]: builds the wheel of the Python package, installs it into a
-# fresh virtual environment that sees Debian's NumPy and SciPy, checks the types, and runs its tests there.
-# --build: a configured build to take the module from (default: build/python, configured for it). --work: where wheel and
-# environment go (default: build/python-test). Exits with 77 where pybind11, NumPy, SciPy or pytest is missing.
+# python.sh [--fresh] [--build FOLDER] [--work FOLDER] [pytest options]: builds the wheel of the Python package, installs it
+# into a fresh virtual environment that sees Debian's NumPy and SciPy, checks the types, and runs its tests there.
+# --fresh: as a user would from the source archive of the last commit, by one `pip install`. --build: a configured build to
+# take the module from (default: build/python, configured for it). --work: where wheel and environment go (default:
+# build/python-test). Exits with 77 where pybind11, NumPy, SciPy or pytest is missing.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-folder='' work=$root/build/python-test install=yes
+folder='' fresh='' work=$root/build/python-test install=yes
 while [ $# -gt 0 ]; do
   case $1 in
+    --fresh) fresh=yes; shift ;;
     --build) folder=$2 install=; shift 2 ;;
     --work) work=$2; shift 2 ;;
-    -h | --help) sed -n '4,7s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '4,8s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) break ;;
   esac
 done
@@ -28,9 +30,21 @@ done
 
 rm -rf "$work"
 mkdir -p "$work"
-"$python" -m pip wheel --quiet --no-deps --no-build-isolation --no-index ${folder:+--config-settings=build-dir="$folder"} -w "$work" "$root"
 "$python" -m venv --system-site-packages --without-pip "$work/venv"
-"$python" -m pip --python "$work/venv/bin/python" install --quiet --no-deps --no-index "$work"/alcap-*.whl
+pip=("$python" -m pip --python "$work/venv/bin/python" install --quiet --no-deps --no-index)
+if [ -n "$fresh" ]; then
+  git -C "$root" archive --prefix=tree/ HEAD | tar -x -C "$work"
+  (cd "$work/tree/python" && "$python" -B -c "import build_backend; build_backend.build_sdist('$work')")
+  rm -rf "$work/tree"
+  say "pip install $(cd "$work" && echo alcap-*.tar.gz)"
+  "${pip[@]}" --no-build-isolation "$work"/alcap-*.tar.gz
+else
+  "$python" -m pip wheel --quiet --no-deps --no-build-isolation --no-index \
+    ${folder:+--config-settings=build-dir="$folder"} -w "$work" "$root"
+  "${pip[@]}" "$work"/alcap-*.whl
+  ALCAP_WHEEL=$(echo "$work"/alcap-*.whl)
+  export ALCAP_WHEEL
+fi
 cd "$work"  # nothing of the repository in the path
-export ALCAP_SOURCE_DIR=$root ALCAP_WHEEL=$(echo "$work"/alcap-*.whl)
+export ALCAP_SOURCE_DIR=$root
 exec "$work/venv/bin/python" -m pytest -q -p no:cacheprovider "$root/python/tests" "$@"

@@ -9,13 +9,13 @@
 
 The method is that of Liu, Tong, de Goes, Desbrun, ACM Transactions on Graphics 35(3), 2016. See docs/python.md.
 """
-from . import (_connections, _curves, _design_run, _designer, _features, _field_run, _fields, _files, _meshes,
-               _operators, _progress, _solvers, _tables, shapes)
-from ._alcap import (ConnectedSurface, CurveSet, Field, Frames, Polyline, Registration, Surface, SurfaceLocator,
-                     __version__, curve_formats, eigen_solvers, field_formats, linear_solvers, mesh_formats,
+from . import (_connections, _curves, _design_run, _designer, _features, _field_run, _fields, _files, _intrinsic,
+               _meshes, _operators, _progress, _solvers, _tables, shapes)
+from ._alcap import (ConnectedSurface, CurveSet, Field, Frames, IntrinsicTriangulation, Polyline, Registration, Surface,
+                     SurfaceLocator, __version__, curve_formats, eigen_solvers, field_formats, linear_solvers, mesh_formats,
                      peak_memory_bytes, scalar_formats, usual_field_formats)
 from ._connections import *  # noqa: F401,F403
-from ._controls import BoundaryAlignment, Control, SingularityTarget, Stroke, VertexConstraint
+from ._controls import BoundaryAlignment, Control, EigenStroke, SingularityTarget, Stroke, VertexConstraint
 from ._curves import *  # noqa: F401,F403
 from ._design_run import *  # noqa: F401,F403
 from ._designer import *  # noqa: F401,F403
@@ -24,6 +24,7 @@ from ._features import *  # noqa: F401,F403
 from ._field_run import *  # noqa: F401,F403
 from ._fields import *  # noqa: F401,F403
 from ._files import *  # noqa: F401,F403
+from ._intrinsic import *  # noqa: F401,F403
 from ._meshes import *  # noqa: F401,F403
 from ._operators import *  # noqa: F401,F403
 from ._progress import *  # noqa: F401,F403
@@ -31,11 +32,11 @@ from ._solvers import *  # noqa: F401,F403
 from ._tables import *  # noqa: F401,F403
 
 __all__ = [
-    'BoundaryAlignment', 'Cancelled', 'ConnectedSurface', 'Control', 'CurveSet', 'Error', 'Field', 'FileError', 'Frames',
-    'MeshError', 'OptionError', 'Polyline', 'Registration', 'SingularityTarget', 'SolveError', 'Stroke', 'Surface',
-    'SurfaceLocator', 'VertexConstraint', '__version__', 'curve_formats', 'eigen_solvers', 'field_formats',
+    'BoundaryAlignment', 'Cancelled', 'ConnectedSurface', 'Control', 'CurveSet', 'EigenStroke', 'Error', 'Field', 'FileError',
+    'Frames', 'IntrinsicTriangulation', 'MeshError', 'OptionError', 'Polyline', 'Registration', 'SingularityTarget',
+    'SolveError', 'Stroke', 'Surface', 'SurfaceLocator', 'VertexConstraint', '__version__', 'curve_formats', 'eigen_solvers', 'field_formats',
     'linear_solvers', 'mesh_formats', 'peak_memory_bytes', 'scalar_formats', 'shapes', 'usual_field_formats',
 ]
-for _part in (_connections, _curves, _design_run, _designer, _features, _field_run, _fields, _files, _meshes, _operators,
-              _progress, _solvers, _tables):
+for _part in (_connections, _curves, _design_run, _designer, _features, _field_run, _fields, _files, _intrinsic,
+              _meshes, _operators, _progress, _solvers, _tables):
     __all__ += _part.__all__

@@ -76,6 +76,26 @@ class Stroke:
 
 
 @dataclass(frozen=True)
+class EigenStroke:
+    """Alignment of an eigen_design() with a line on the surface.
+
+    Parameters
+    ----------
+    line : Polyline
+        From stroke_through_points(), stroke_along_vertices() or stroke_from_space().
+    weight : float
+        1 draws the field to within a few degrees of the line, on every mesh and in every unit.
+    across : bool
+        Across the line, not along it.
+    """
+
+    line: Polyline
+    weight: float = 1.0
+    across: bool = False
+    kind: ClassVar[str] = 'eigen_stroke'
+
+
+@dataclass(frozen=True)
 class BoundaryAlignment:
     """Alignment with every boundary loop, softly: along it, or with `normal` across it."""
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Dict, List, Mapping, Optional, Sequence
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Union
 
 import numpy.typing as npt
 
 from . import _alcap
 from ._alcap import ConnectedSurface, Field
-from ._controls import Control, SingularityTarget, Stroke
+from ._controls import Control, EigenStroke, SingularityTarget, Stroke, VertexConstraint
 from ._types import EIGEN_OPTIONS, Progress, given
 
 
@@ -139,29 +139,42 @@ class EigenDesign:
         mean_degrees, largest_degrees, magnitude, met.
     singularities : list of dict
         id (position in the list), met, index, error_degrees.
+    fixed : list of dict
+        The same for fixed directions.
+    assembly_seconds, eigen_seconds : float
+        Wall clock.
     """
 
     field: Field
     components: List[Dict[str, Any]]
     strokes: List[Dict[str, Any]]
     singularities: List[Dict[str, Any]]
+    fixed: List[Dict[str, Any]]
+    assembly_seconds: float
+    eigen_seconds: float
 
 
-def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Stroke] = (),
-                 singularities: Sequence[SingularityTarget] = (), s: float = 0.0, offset: float = 1.0,
-                 path: str = 'auto', progress: Progress = None, threads: int = 0, **options: Any) -> EigenDesign:
+def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Union[Stroke, EigenStroke]] = (),
+                 singularities: Sequence[SingularityTarget] = (), fixed: Sequence[VertexConstraint] = (),
+                 s: float = 0.0, offset: float = 1.0, path: str = 'auto', progress: Progress = None, threads: int = 0, **options: Any) -> EigenDesign:
     """The smoothest field of a connection that follows strokes and has singularities (LTGD 2016, Sec. 7.2).
 
     Without controls it is the smoothest field of the connection.
 
     Parameters
     ----------
+    strokes : sequence of EigenStroke or Stroke
+        A Stroke's radius is not used.
+    singularities : sequence of SingularityTarget
+        Pins are not used.
+    fixed : sequence of VertexConstraint
+        Directions at vertices; lengths are the field's own.
     offset : float
         Removes what the paper leaves free across strokes; 0: as in the paper.
     path : str
         'auto', 'real_view' or 'low_rank'.
     **options
-        Of the eigensolver: tolerance, solver, method, max_iterations, seed.
+        Of the eigensolver: tolerance, angle_tolerance, solver, method, max_iterations, seed, prove_smallest.
 
     Returns
     -------
@@ -171,8 +184,8 @@ def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Str
         if name not in EIGEN_OPTIONS:
             raise TypeError(f'unexpected option {name!r}; known are {", ".join(EIGEN_OPTIONS)}')
     how = {'n': n, 's': s, 'offset': offset, 'path': path}
-    return EigenDesign(*_alcap.eigen_design(surface, list(strokes), list(singularities), how, given(**options),
-                                            progress, threads))
+    controls: Dict[str, List[Any]] = {'strokes': list(strokes), 'singularities': list(singularities), 'fixed': list(fixed)}
+    return EigenDesign(*_alcap.eigen_design(surface, controls, how, given(**options), progress, threads))
 
 
 __all__ = [

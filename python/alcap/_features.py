@@ -156,7 +156,7 @@ class AlignedField:
         |u| is 1 along held features.
     pieces : list of dict
         Per component: held, rows, lambda, steps (tau, energy, largest and rms change in degrees), settled, residual,
-        solver.
+        solver, eigen (a piece without features gets its smoothest field: as smallest_eigenpair() reports; else None).
     free_corners : (k,) array of int32
         Feature vertices that no n-field can be held at.
     fixed_degrees : float

@@ -100,6 +100,15 @@ class FieldRun(Run):
         return None if features is None else features.graph
 
     @property
+    def triangulation(self) -> Optional[Dict[str, Any]]:
+        """The triangles that the field was solved on, where they are not those of the mesh; else None.
+
+        before and after (see triangle_quality()), flips, added (vertices), faces, barred, complete, seconds, connection
+        (the report of the one made there), singularities (how many there are on those triangles).
+        """
+        return self._run.triangulation
+
+    @property
     def modes(self) -> Tuple[npt.NDArray[Any], npt.NDArray[Any], Dict[str, Any]]:
         """Eigenvalues, U (#V, modes) and report, as of eigenpairs(); empty where one mode was asked for."""
         return self._run.modes
@@ -214,6 +223,7 @@ def run_field(V: npt.ArrayLike, F: npt.ArrayLike, n: int = 4, *, repairs: Sequen
 
 def run_batch(meshes: Sequence[Any], n: int = 4, *, jobs: int = 0, repairs: Sequence[str] = (),
               weld_tolerance: float = 0.0, s: float = 0.0, normalise: bool = False, align: Align = None,
+              modes: int = 1, triangulation: str = 'auto', min_angle: float = _MIN_ANGLE,
               progress: Progress = None, errors: str = 'raise',
               **options: Any) -> List[Union[FieldRun, Exception]]:
     """The smoothest fields of many meshes, each on one thread, on all cores.
@@ -223,7 +233,7 @@ def run_batch(meshes: Sequence[Any], n: int = 4, *, jobs: int = 0, repairs: Sequ
     meshes : sequence of Surface or (V, F)
     jobs : int
         Meshes at a time; 0: one per core.
-    repairs, weld_tolerance, align
+    repairs, weld_tolerance, align, modes, triangulation, min_angle
         As of run_field(), for every mesh.
     errors : str
         'raise' raises the first error when all meshes are done; 'return' puts it in the place of the run.
@@ -237,7 +247,7 @@ def run_batch(meshes: Sequence[Any], n: int = 4, *, jobs: int = 0, repairs: Sequ
         raise OptionError(f"option 'errors' = {errors}: must be 'raise' or 'return'", 'errors', errors,
                           "must be 'raise' or 'return'")
     connection, eigen = _split(options)
-    how = _how(n, s, normalise, align, 1, repairs, weld_tolerance)
+    how = _how(n, s, normalise, align, modes, repairs, weld_tolerance, triangulation, min_angle)
     out: List[Union[FieldRun, Exception]] = []
     for run in _alcap.run_batch(list(meshes), how, connection, eigen, jobs, progress):
         if callable(run):

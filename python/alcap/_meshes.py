@@ -143,12 +143,59 @@ def repair_mesh(V: npt.ArrayLike, F: npt.ArrayLike, repairs: Sequence[str] = (),
     return RepairedMesh(V, F, copies_of, face_of, [{**s, 'message': in_python(s['message'])} for s in steps])
 
 
+@dataclass(frozen=True)
+class RepairedSurface:
+    """A surface of a repaired mesh, and what was done to it.
+
+    Attributes
+    ----------
+    surface : Surface
+    copies_of : (k,) array of int32
+        The given vertex that each appended one is a copy of.
+    face_of : array of int32
+        The given number of each face; empty where all are kept.
+    remarks : list of dict
+        One per step: code, warning, message, count, first.
+    """
+
+    surface: Surface
+    copies_of: Ints
+    face_of: Ints
+    remarks: List[Dict[str, Any]]
+
+
+def repaired_surface(V: npt.ArrayLike, F: npt.ArrayLike, repairs: Sequence[str] = (), *, weld_tolerance: float = 0.0,
+                     bow_ties: bool = True) -> RepairedSurface:
+    """repair_mesh(), and a surface of the result.
+
+    Parameters
+    ----------
+    repairs : sequence of str
+        As of repair_mesh(), and 'mollify': edges are taken a little longer, so that every face has an area. Points stay
+        where they are.
+    weld_tolerance, bow_ties
+        As of repair_mesh().
+
+    Returns
+    -------
+    RepairedSurface
+
+    Raises
+    ------
+    MeshError
+        The mesh cannot be used; names the elements.
+    """
+    surface, copies_of, face_of, remarks = _alcap.repaired_surface(V, F, list(repairs), weld_tolerance, bow_ties)
+    return RepairedSurface(surface, copies_of, face_of, [{**r, 'message': in_python(r['message'])} for r in remarks])
+
+
 def shortest_path(surface: Surface, start: int, end: int) -> Ints:
     """(k,) int32: the vertices of a shortest path of edges; empty when there is none."""
     return _alcap.shortest_path(surface, start, end)
 
 
 __all__ = [
-    'MeshFile', 'RepairedMesh', 'find_defects', 'read_edge_lengths', 'read_mesh', 'read_mesh_from_memory', 'repair_mesh', 'repair_orientation', 'repair_weld',
-    'shortest_path', 'write_mesh',
+    'MeshFile', 'RepairedMesh', 'RepairedSurface', 'find_defects', 'read_edge_lengths', 'read_mesh',
+    'read_mesh_from_memory', 'repair_mesh', 'repair_orientation', 'repair_weld', 'repaired_surface', 'shortest_path',
+    'write_mesh',
 ]

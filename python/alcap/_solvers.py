@@ -42,12 +42,37 @@ class Factorised:
         return x.reshape(array.shape)
 
 
-def factorise(A: Any, solver: str = 'auto', *, tolerance: float = 1e-10, max_iterations: int = 1000) -> Factorised:
-    """Factorises a Hermitian positive definite sparse matrix (copied) with one of linear_solvers()."""
-    return Factorised(_alcap.factorise(parts(A), solver, tolerance, max_iterations))
+def factorise(A: Any, solver: str = 'auto', *, right_hand_sides: int = 0, tolerance: float = 1e-10,
+              max_iterations: int = 1000) -> Factorised:
+    """Factorises a Hermitian positive definite sparse matrix (copied).
+
+    Parameters
+    ----------
+    A : (k, k) sparse matrix of complex128
+        Both triangles stored.
+    solver : str
+        One of linear_solvers(); 'auto' picks one when it sees the matrix.
+    right_hand_sides : int
+        For 'auto': how many will be solved for; 0: not known, many.
+    tolerance : float
+        Of iterative backends: relative residual.
+    max_iterations : int
+        Of iterative backends.
+
+    Returns
+    -------
+    Factorised
+
+    Raises
+    ------
+    SolveError
+        A is not positive definite, or memory ran out.
+    """
+    return Factorised(_alcap.factorise(parts(A), solver, right_hand_sides, tolerance, max_iterations))
 
 
-def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float] = None, solver: Optional[str] = None,
+def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float] = None,
+                       angle_tolerance: Optional[float] = None, degree: int = 1, solver: Optional[str] = None,
                        method: Optional[str] = None, max_iterations: Optional[int] = None, seed: Optional[int] = None,
                        prove_smallest: Optional[str] = None, progress: Progress = None,
                        threads: int = 0) -> Tuple[Complexes, Dict[str, Any]]:
@@ -61,6 +86,17 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
         Of the surface: 1 / area is the scale of eigenvalues.
     tolerance : float
         Relative residual, 1e-8 by default.
+    angle_tolerance : float
+        Degrees: without a tolerance the solve may end where the angle to the true vector is below this; 0, the default,
+        is off.
+    degree : int
+        n where u is an n-th power of directions: angles are those of the directions.
+    solver, method : str
+        One of linear_solvers(), one of eigen_solvers(); 'auto' by default.
+    max_iterations : int
+        Operator applications before giving up, 1000 by default.
+    seed : int
+        Of the start vector, 1 by default.
     prove_smallest : str
         'auto', 'always' or 'never': whether it is proven that no smaller eigenvalue exists.
 
@@ -71,17 +107,18 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
     report : dict
         solver, converged, iterations, lambda, next (None where it is not established), residual and energy_residual
         (recomputed), distance (of an eigenvalue from lambda, at most), angle and angle_at_vertices (degrees, None where
-        nothing is known), angle_check ('none', 'estimated' or 'bounded'), smallest ('proven', 'searched', 'not checked' or 'refuted'), lower_bound, smallest_note, seconds,
-        message.
+        nothing is known), angle_check ('none', 'estimated' or 'bounded'), smallest ('proven', 'searched', 'not checked'
+        or 'refuted'), lower_bound, smallest_note, seconds, message.
     """
-    options = given(tolerance=tolerance, solver=solver, method=method, max_iterations=max_iterations, seed=seed,
-                     prove_smallest=prove_smallest)
+    options = given(tolerance=tolerance, angle_tolerance=angle_tolerance, degree=degree, solver=solver, method=method,
+                    max_iterations=max_iterations, seed=seed, prove_smallest=prove_smallest)
     return _alcap.smallest_eigenpair(parts(S), parts(M), area, options, progress, threads)
 
 
 def eigenpairs(S: Any, M: Any, area: float, count: int, *, tolerance: Optional[float] = None,
-               solver: Optional[str] = None, method: Optional[str] = None, max_iterations: Optional[int] = None,
-               seed: Optional[int] = None, prove_smallest: Optional[str] = None, progress: Progress = None,
+               angle_tolerance: Optional[float] = None, degree: int = 1, solver: Optional[str] = None,
+               method: Optional[str] = None, max_iterations: Optional[int] = None, seed: Optional[int] = None,
+               prove_smallest: Optional[str] = None, progress: Progress = None,
                threads: int = 0) -> Tuple[npt.NDArray[Any], npt.NDArray[Any], Dict[str, Any]]:
     """The `count` smallest eigenpairs of S u = lambda M u; parameters as of smallest_eigenpair().
 
@@ -95,8 +132,8 @@ def eigenpairs(S: Any, M: Any, area: float, count: int, *, tolerance: Optional[f
         solver, converged, iterations, residual (count,), cluster (eigenvalues of one cluster share a number), smallest
         ('proven': counted, none is missing), seconds, message.
     """
-    options = given(tolerance=tolerance, solver=solver, method=method, max_iterations=max_iterations, seed=seed,
-                     prove_smallest=prove_smallest)
+    options = given(tolerance=tolerance, angle_tolerance=angle_tolerance, degree=degree, solver=solver, method=method,
+                    max_iterations=max_iterations, seed=seed, prove_smallest=prove_smallest)
     return _alcap.eigenpairs(parts(S), parts(M), area, count, options, progress, threads)
 
 

@@ -64,8 +64,9 @@ def plan_field(faces: int, *, vertices: int = 0, n: int = 4, threads: int = 0, f
     Returns
     -------
     dict
-        fits, refusals, phases (name, seconds, bytes, disk), seconds, bytes, most_bytes, factor_bytes, disk, memory,
-        largest (faces that fit here).
+        fits, refusals, halfedges, edges, matrix_entries (of S, both triangles), phases (name, seconds, bytes, disk),
+        seconds, bytes, disk, most_bytes (of the hardest case measured), factor_bytes (on top, where it comes to a
+        factorisation), factor_fits, memory, largest (faces that fit here).
     """
     return _alcap.plan_field({'faces': faces, 'vertices': vertices, 'n': n, 'threads': threads,
                               'formats': list(formats), 'speed': speed, 'memory': memory})

@@ -9,6 +9,7 @@
 #include "python/src/bindings.h"
 #include "python/src/features.h"
 #include "python/src/long_call.h"
+#include "python/src/options.h"
 
 namespace alcap::python {
 namespace {
@@ -50,8 +51,10 @@ py::list pieces_list(const std::vector<AlignedPiece>& list) {
     py::list steps;
     for (const AlignedStep& s : piece.steps)
       steps.append(py::make_tuple(s.tau, s.energy, s.largest_degrees, s.rms_degrees));
-    out.append(py::dict("held"_a = piece.held, "rows"_a = piece.rows, "lambda"_a = piece.lambda, "steps"_a = steps,
-                        "settled"_a = piece.settled, "residual"_a = piece.residual, "solver"_a = piece.solver));
+    const py::object eigen = piece.eigen ? py::object(eigen_dict(*piece.eigen)) : py::none();
+    out.append(py::dict("eigen"_a = eigen, "held"_a = piece.held, "rows"_a = piece.rows, "lambda"_a = piece.lambda,
+                        "steps"_a = steps, "settled"_a = piece.settled, "residual"_a = piece.residual,
+                        "solver"_a = piece.solver));
   }
   return out;
 }

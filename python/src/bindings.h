@@ -9,6 +9,7 @@
   X(errors)               \
   X(surface)              \
   X(shapes)               \
+  X(intrinsic)            \
   X(connection) X(field) X(operators) X(solve) X(backends) X(curves) X(design) X(aligned) X(io) X(run) X(tables)
 
 namespace alcap::python {

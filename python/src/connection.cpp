@@ -97,6 +97,11 @@ ConnectionOptions connection_of(const py::dict& d) {
   return out;
 }
 
+py::dict connection_dict(const ConnectionReport& r) {
+  return py::dict("converged"_a = r.converged, "iterations"_a = r.iterations, "residual"_a = r.residual,
+                  "D_T"_a = r.D_T, "D_E"_a = r.D_E, "message"_a = r.message);
+}
+
 namespace {
 
 py::array reals(const ConnectedSurface& s, const VectorX<double>& values) {
@@ -159,7 +164,7 @@ void bind_connected(py::module_& m) {
   const auto prop = [&](const char* name, auto get, const char* doc) { c.def_property_readonly(name, get, doc); };
   prop(
       "kind", [](const ConnectedSurface& s) { return name(s.connection().kind); },
-      "str: 'polar', 'local', 'global' or 'trivial'.");
+      "str: 'polar', 'local', 'global', 'trivial' or 'metric'.");
   prop(
       "rho", [](const ConnectedSurface& s) { return reals(s, s.connection().rho); },
       "(#E,) float64, no copy: rotation from vertex to vertex along the canonical halfedge.");
@@ -182,15 +187,23 @@ void bind_connected(py::module_& m) {
       "cones", [](const ConnectedSurface& s) { return cones_list(s.connection().cones); },
       "list of (vertex, index in turns): the cones of a trivial connection.");
   prop(
+      "alpha", [](const ConnectedSurface& s) { return reals(s, s.connection().alpha); },
+      "(3 #F,) float64, no copy: adjustment angle of each halfedge of trivial and metric connections; else empty.");
+  prop(
+      "generator_holonomy", [](const ConnectedSurface& s) { return s.connection().generator_holonomy; },
+      "list of float: holonomies of homology_generators(), in turns, of trivial and metric connections.");
+  prop(
+      "loop_index", [](const ConnectedSurface& s) { return s.connection().loop_index; },
+      "list of float: index of each of boundary_loops, in turns, of trivial and metric connections.");
+  prop(
+      "flat", [](const ConnectedSurface& s) { return s.connection().flat; }, "bool: no curvature but at the cones.");
+  prop(
+      "to_target", [](const ConnectedSurface& s) { return s.connection().to_target; }, "bool: nearest to a target.");
+  prop(
       "frames", [](const ConnectedSurface& s) { return std::const_pointer_cast<Frames>(s.frames()); },
       "Frames of the vertices.");
   prop(
-      "connection_report",
-      [](const ConnectedSurface& s) {
-        const ConnectionReport& r = s.connection().report;
-        return py::dict("converged"_a = r.converged, "iterations"_a = r.iterations, "residual"_a = r.residual,
-                        "D_T"_a = r.D_T, "D_E"_a = r.D_E, "message"_a = r.message);
-      },
+      "connection_report", [](const ConnectedSurface& s) { return connection_dict(s.connection().report); },
       "dict: converged, iterations, residual, D_T, D_E, message.");
   c.def(
       "admits_parallel", [](const ConnectedSurface& s, int n) { return s.connection().admits_parallel(n); },

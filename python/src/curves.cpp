@@ -96,6 +96,23 @@ void bind_sets(py::module_& m) {
   c.def_property_readonly(
       "end_reasons", [](const Curves& s) { return reasons(s->end_reason); },
       "list of str: why each curve ends where it does.");
+  c.def_readonly("complete", &CurveSet::complete,
+                 "bool: False where max_points was used up before everything asked for was traced.");
+  c.def(
+      "path",
+      [](const CurveSet& s, std::int64_t k) {
+        const std::vector<SurfacePoint> line = s.path(k);
+        std::vector<Index> faces;
+        Positions<double> rows(static_cast<Eigen::Index>(line.size()), 3);
+        for (const SurfacePoint& p : line) {
+          rows.row(static_cast<Eigen::Index>(faces.size())) << p.barycentric[0], p.barycentric[1], p.barycentric[2];
+          faces.push_back(p.face);
+        }
+        return py::make_tuple(moved(std::move(faces)), moved_rows(std::move(rows)));
+      },
+      py::arg("k"),
+      "(faces (k,), barycentric (k, 3)): the points of curve k, each of which lies in a face with the next one, for\n"
+      "polyline_through() and transport_along_points().");
   c.def("__len__", &CurveSet::size);
   c.def(
       "__getitem__",

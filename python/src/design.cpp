@@ -32,14 +32,17 @@ Stroke stroke_of(const py::object& c) {
           .radius = c.attr("radius").cast<double>()};
 }
 
+VertexConstraint vertex_of(const py::object& c) {
+  return {.vertex = c.attr("vertex").cast<Index>(),
+          .value = c.attr("value").cast<Complex<double>>(),
+          .direction_only = c.attr("direction_only").cast<bool>()};
+}
+
 Control control_of(const py::object& c) {
   const auto kind = py::getattr(c, "kind", py::str("")).cast<std::string>();
   if (kind == "singularity") return target_of(c);
   if (kind == "stroke") return stroke_of(c);
-  if (kind == "vertex")
-    return VertexConstraint{.vertex = c.attr("vertex").cast<Index>(),
-                            .value = c.attr("value").cast<Complex<double>>(),
-                            .direction_only = c.attr("direction_only").cast<bool>()};
+  if (kind == "vertex") return vertex_of(c);
   if (kind == "boundary")
     return BoundaryAlignment{.normal = c.attr("normal").cast<bool>(), .weight = c.attr("weight").cast<double>()};
   throw OptionError("control", py::str(c).cast<std::string>(),
@@ -144,14 +147,23 @@ class Live {
   std::optional<Designer> designer_;
 };
 
-py::tuple smoothest_design(const ConnectedSurface& surface, const py::object& strokes, const py::object& targets,
-                           const py::dict& d, const py::dict& eigen, const py::object& progress, int threads) {
-  EigenControls controls;
-  for (const py::handle h : strokes) {
-    const Stroke s = stroke_of(py::reinterpret_borrow<py::object>(h));
-    controls.strokes.push_back({.line = s.line, .weight = s.weight});
+/// Of lists of Stroke or EigenStroke, of SingularityTarget, of VertexConstraint.
+EigenControls eigen_controls(const py::dict& d) {
+  EigenControls out;
+  for (const py::handle h : d["strokes"]) {
+    out.strokes.push_back({.line = h.attr("line").cast<const SurfacePolyline&>(),
+                           .weight = h.attr("weight").cast<double>(),
+                           .across = py::getattr(h, "across", py::bool_(false)).cast<bool>()});
   }
-  for (const py::handle h : targets) controls.singularities.push_back(target_of(py::reinterpret_borrow<py::object>(h)));
+  for (const py::handle h : d["singularities"])
+    out.singularities.push_back(target_of(py::reinterpret_borrow<py::object>(h)));
+  for (const py::handle h : d["fixed"]) out.fixed.push_back(vertex_of(py::reinterpret_borrow<py::object>(h)));
+  return out;
+}
+
+py::tuple smoothest_design(const ConnectedSurface& surface, const py::dict& asked, const py::dict& d,
+                           const py::dict& eigen, const py::object& progress, int threads) {
+  const EigenControls controls = eigen_controls(asked);
   const EigenDesignOptions options{.n = d["n"].cast<int>(),
                                    .s = d["s"].cast<double>(),
                                    .offset = d["offset"].cast<double>(),
@@ -164,7 +176,8 @@ py::tuple smoothest_design(const ConnectedSurface& surface, const py::object& st
     lines.append(py::dict("mean_degrees"_a = s.mean_degrees, "largest_degrees"_a = s.largest_degrees,
                           "magnitude"_a = s.magnitude, "met"_a = s.met));
   }
-  return py::make_tuple(std::make_shared<Field>(std::move(r.field)), components, lines, reports(r.singularities));
+  return py::make_tuple(std::make_shared<Field>(std::move(r.field)), components, lines, reports(r.singularities),
+                        reports(r.fixed), r.assembly_seconds, r.eigen_seconds);
 }
 
 }  // namespace

@@ -13,10 +13,11 @@ namespace alcap::python {
 /// throw OptionError.
 [[nodiscard]] ConnectionOptions connection_of(const py::dict& d);
 
-/// tolerance, solver, method, max_iterations, seed.
+/// tolerance, angle_tolerance, degree, solver, method, max_iterations, seed, prove_smallest.
 [[nodiscard]] EigenOptions eigen_of(const py::dict& d);
 
 [[nodiscard]] py::dict eigen_dict(const EigenReport& report);
+[[nodiscard]] py::dict connection_dict(const ConnectionReport& report);
 [[nodiscard]] py::dict solve_dict(const SolveReport& report);
 
 /// (eigenvalues, U, report).

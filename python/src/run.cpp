@@ -210,6 +210,14 @@ void bind_run(py::module_& m) {
                     "free_corners"_a = moved(std::vector<Index>(f.free_corners)),
                     "report"_a = deviations_dict(f.report), "followed"_a = f.followed);
   });
+  field_run.def_property_readonly("triangulation", [](const Run& r) -> py::object {
+    if (!r.run.triangulation) return py::none();
+    const SolvedTriangulation& t = *r.run.triangulation;
+    return py::dict("before"_a = quality_dict(t.before), "after"_a = quality_dict(t.after), "flips"_a = t.flips,
+                    "added"_a = t.added, "faces"_a = t.faces, "barred"_a = t.barred, "complete"_a = t.complete,
+                    "seconds"_a = t.seconds, "connection"_a = connection_dict(t.connection),
+                    "singularities"_a = t.singularities);
+  });
   field_run.def_property_readonly("modes", [](const Run& r) { return modes_tuple(EigenModes(r.run.modes)); });
   field_run.def_property_readonly("copies_of", [](const Run& r) { return moved(std::vector<Index>(r.run.copies_of)); });
   field_run.def_property_readonly("face_of", [](const Run& r) { return moved(std::vector<Index>(r.run.face_of)); });
@@ -220,6 +228,17 @@ void bind_run(py::module_& m) {
                         const py::object& progress, int threads) {
     const FieldRunOptions options = options_of(d, connection, eigen);
     return watched(progress, threads, [&] { return std::make_unique<Run>(Run{run_field(s, options), options}); });
+  });
+  m.def("repaired_surface", [](const py::object& V, const py::object& F, const std::vector<std::string>& repairs,
+                               double tolerance, bool bow_ties) {
+    RepairOptions options{.repairs = {}, .weld_tolerance = tolerance, .bow_ties = bow_ties};
+    for (const std::string& text : repairs) options.repairs.push_back(named<Repair>(text, "repairs"));
+    auto points = positions_of(V);
+    auto faces = faces_of(F);
+    RepairedSurface out =
+        watched(py::none(), 0, [&] { return repaired_surface(std::move(points), std::move(faces), options); });
+    return py::make_tuple(out.surface, moved(std::move(out.copies_of)), moved(std::move(out.face_of)),
+                          remarks(out.remarks));
   });
   m.def("run_field_arrays", [](const py::object& V, const py::object& F, const py::dict& d, const py::dict& connection,
                                const py::dict& eigen, const py::object& progress, int threads) {

@@ -20,6 +20,8 @@ EigenOptions eigen_of(const py::dict& d) {
       if (!value.is_none()) out.tolerance = value.cast<double>();
     } else if (name == "angle_tolerance") {
       out.angle_tolerance = value.cast<double>();
+    } else if (name == "degree") {
+      out.degree = value.cast<int>();
     } else if (name == "solver") {
       out.solver = value.cast<std::string>();
     } else if (name == "method") {
@@ -51,12 +53,15 @@ py::dict eigen_dict(const EigenReport& r) {
       "angle_at_vertices"_a = r.angle_at_vertices ? py::object(py::float_(*r.angle_at_vertices)) : py::none(),
       "smallest"_a = std::string(name(r.smallest)),
       "lower_bound"_a = r.lower_bound ? py::object(py::float_(*r.lower_bound)) : py::none(),
-      "smallest_note"_a = r.smallest_note, "seconds"_a = r.seconds, "message"_a = r.message);
+      "smallest_note"_a = r.smallest_note, "seconds"_a = r.seconds, "proof_seconds"_a = r.proof_seconds,
+      "message"_a = r.message);
 }
 
 py::dict solve_dict(const SolveReport& r) {
   return py::dict("solver"_a = r.solver, "converged"_a = r.converged, "iterations"_a = r.iterations,
-                  "residual"_a = r.residual, "factor_nonzeros"_a = r.factor_nonzeros);
+                  "residual"_a = r.residual, "analyse_seconds"_a = r.analyse_seconds,
+                  "factorise_seconds"_a = r.factorise_seconds, "solve_seconds"_a = r.solve_seconds,
+                  "factor_nonzeros"_a = r.factor_nonzeros);
 }
 
 namespace {
@@ -111,10 +116,13 @@ void bind_solve(py::module_& m) {
   py::class_<Factorised>(m, "Factorised", "A factorised Hermitian positive definite matrix, see factorise().")
       .def("_solve", &Factorised::solve)
       .def_property_readonly("name", &Factorised::name, "str: the backend and its choices.");
-  m.def("factorise", [](const py::tuple& A, const std::string& solver, double tolerance, int max_iterations) {
-    return std::make_unique<Factorised>(
-        A, SolverOptions{.name = solver, .tolerance = tolerance, .max_iterations = max_iterations});
-  });
+  m.def("factorise",
+        [](const py::tuple& A, const std::string& solver, int right_hand_sides, double tolerance, int max_iterations) {
+          return std::make_unique<Factorised>(A, SolverOptions{.name = solver,
+                                                               .right_hand_sides = right_hand_sides,
+                                                               .tolerance = tolerance,
+                                                               .max_iterations = max_iterations});
+        });
   m.def("linear_solvers", &linear_solvers);
   m.def("eigen_solvers", &eigen_solvers);
   m.def("smallest_eigenpair", [](const py::tuple& S, const py::tuple& M, double area, const py::dict& options,

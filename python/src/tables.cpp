@@ -47,9 +47,10 @@ py::dict plan(const py::dict& d) {
     phases.append(
         py::dict("name"_a = phase.name, "seconds"_a = phase.seconds, "bytes"_a = phase.bytes, "disk"_a = phase.disk));
   }
-  return py::dict("fits"_a = r.fits(), "refusals"_a = r.refusals, "phases"_a = phases, "seconds"_a = r.seconds,
-                  "bytes"_a = r.bytes, "most_bytes"_a = r.most_bytes, "factor_bytes"_a = r.factor_bytes,
-                  "disk"_a = r.disk, "memory"_a = r.memory, "largest"_a = r.largest);
+  return py::dict("fits"_a = r.fits(), "halfedges"_a = r.halfedges, "edges"_a = r.edges,
+                  "matrix_entries"_a = r.matrix_entries, "factor_fits"_a = r.factor_fits, "refusals"_a = r.refusals,
+                  "phases"_a = phases, "seconds"_a = r.seconds, "bytes"_a = r.bytes, "most_bytes"_a = r.most_bytes,
+                  "factor_bytes"_a = r.factor_bytes, "disk"_a = r.disk, "memory"_a = r.memory, "largest"_a = r.largest);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@ import math
 import os
 import re
 
+import numpy as np
 import pytest
 
 import alcap
@@ -30,7 +31,7 @@ ELSEWHERE = {
     'vertex_frames': 'ConnectedSurface.frames', 'make_linear_solver': 'factorise', 'residual': 'Factorised.report',
     'design_text': 'DesignRun.design', 'parse_design': 'design_field', 'plan_design': 'DesignRun.design',
     'face_vertex_matrix': 'first_order_operators',
-    'version': '__version__', 'mesh_remarks': 'FieldRun.remarks', 'repaired_surface': 'run_field',
+    'version': '__version__', 'mesh_remarks': 'FieldRun.remarks',
 }
 # C++ functions that make no sense in Python, and why.
 CPP_ONLY = {
@@ -41,10 +42,8 @@ CPP_ONLY = {
     'measurable': 'a test inside find_defects', 'field_format': 'the end of a name',
     'as_positions': 'NumPy converts', 'as_faces': 'NumPy converts',
     'connection_choice': 'connect() takes the name',
-    'intrinsic_delaunay': 'run_field(triangulation=...) solves on it', 'triangle_quality': 'part of intrinsic_delaunay',
     'within_tolerance': "report['converged']",
     'command_for': 'a line of text of the command line',
-
 }
 # Options: C++ structure, Python function, renamed members, members that Python has elsewhere.
 OPTIONS = [
@@ -54,6 +53,19 @@ OPTIONS = [
     ('SizingOptions', 'target_edge_lengths', {}, ()),
     ('AlignedOptions', 'aligned_field', {}, ('eigen', 'control')),
     ('RepairOptions', 'repair_mesh', {}, ()),
+    ('RepairOptions', 'repaired_surface', {}, ()),
+    ('IntrinsicOptions', 'intrinsic_delaunay', {}, ()),
+    ('ConnectionOptions', 'connect', {'kind': 'connection'}, ('polar', 'global')),
+    ('GlobalOptions', 'connect', {'tolerance': 'connection_tolerance', 'max_iterations': 'connection_iterations'}, ()),
+    ('SolverOptions', 'factorise', {'name': 'solver'}, ('cancel',)),
+    ('EigenOptions', 'smallest_eigenpair', {}, ('cancel',)),
+    ('EigenOptions', 'eigenpairs', {}, ('cancel',)),
+    ('ReadOptions', 'read_mesh', {}, ('control',)),
+    ('OperatorOptions', 'first_order_operators', {}, ()),
+    ('DesignRunOptions', 'design_field', {}, ('control',)),
+    ('BatchOptions', 'run_batch', {}, ('field', 'control')),
+    ('FieldRunOptions', 'run_batch', {}, ('connection', 'eigen', 'control', 'threads')),
+    ('EigenStroke', 'EigenStroke', {}, ()),
     ('CurvatureOptions', 'curvature_field', {}, ()),
     ('DesignerOptions', 'Designer', {}, ('control', 'largest_rank', 'right_hand_sides')),
     ('EigenDesignOptions', 'eigen_design', {}, ('eigen', 'control', 'largest_rank')),
@@ -128,7 +140,7 @@ def value_of(default):
     text = {'{}': '()', 'std::nullopt': 'None', 'true': 'True', 'false': 'False'}.get(default, default)
     text = text.replace('pi<double>', str(math.pi)).replace('{"ply"}', "('ply',)")
     text = re.sub(r'(\w+)Options\{\}\.(\w+)', r'"as \1.\2"', text)
-    text = re.sub(r'^\w+::(\w+)$', r'"\1"', text)
+    text = re.sub(r'^\w+::(\w+)$', r'"\1"', text).replace("'000", '000')
     return eval(text)  # noqa: S307: our own headers
 
 
@@ -147,7 +159,10 @@ def test_options_have_the_same_names_defaults_and_units(headers, struct, functio
             continue
         here = renamed.get(name, name)
         assert here in python, f'{function}: no {here}'
-        if default is not None and python[here] not in (inspect.Parameter.empty, dataclasses.MISSING):
+        if python[here] is None and re.match(r'[\d.]', default or ''):  # the docstring may say that of C++
+            said = re.findall(r'([\d.e-]*\d) by default', section(doc, here) or '')
+            assert all(float(text) == value_of(default) for text in said), f'{function}: {here}, C++: {default}'
+        elif default is not None and python[here] not in (None, inspect.Parameter.empty, dataclasses.MISSING):
             expected = value_of(default)
             if isinstance(expected, str) and expected.startswith('as '):
                 structure, member = expected[3:].split('.')
@@ -156,9 +171,83 @@ def test_options_have_the_same_names_defaults_and_units(headers, struct, functio
                 python[here] == expected or not python[here] and not expected or expected == 'automatic'
             assert same, f'{function}: {here} = {python[here]!r}, C++: {default}'
         for unit in UNITS:
-            if re.search(rf'\b{unit}\b', comment):
+            if re.search(rf'\b{unit}\b(?! out)', comment):  # turns, but not "turns out"
                 described = section(doc, here)
                 assert described is None or unit in described, f'{function}: {here} is in {unit}: {comment}'
+
+
+def test_options_of_curves_by_name(headers, sphere):
+    connected = alcap.connect(sphere)
+    field = alcap.eigen_design(connected, 2).field
+    doc = inspect.getdoc(alcap.streamlines) + inspect.getdoc(alcap.trace_curves)
+    for name, (default, _) in members(headers, 'StreamlineOptions').items():
+        if name == 'control':
+            continue
+        said = re.search(rf'\b{name} \(([\d.e-]+)', doc)
+        assert re.search(rf'\b{name}\b', doc)
+        assert said is None or float(said.group(1)) == value_of(default), name
+        assert len(alcap.trace_curves(connected, field, [0], [[0.2, 0.3, 0.5]], **{name: value_of(default)})) == 1
+
+
+# C++ structure that a function returns: what has its members in Python, and those that are told elsewhere.
+def results():
+    sphere = alcap.Surface(*alcap.shapes.icosphere(2))
+    run = alcap.smoothest_field(sphere, n=2, triangulation='intrinsic')
+    aligned = alcap.smoothest_field(alcap.Surface(*alcap.shapes.cylinder(12, 4)), n=4, align=True)
+    connected = alcap.connect(sphere)
+    designer = alcap.Designer(connected, 1)
+    designer.add(alcap.SingularityTarget(3))
+    design = alcap.eigen_design(connected, 2, fixed=[alcap.VertexConstraint(0)],
+                                strokes=[alcap.EigenStroke(alcap.stroke_along_vertices(sphere, [3, 1]))])
+    solved = designer.solve()
+    S, M = alcap.energy_matrices(connected, 1)
+    factorised = alcap.factorise(S)
+    factorised.solve(M @ np.ones(len(sphere.V)))
+    line = alcap.stroke_along_vertices(sphere, [0, 1])
+    curves = alcap.streamlines(connected, design.field, spacing=0.1)
+    yield 'EigenReport', run.eigen[0], ()
+    yield 'EigenReport', alcap.smallest_eigenpair(S, M, sphere.area)[1], ()
+    yield 'EigenModes', alcap.eigenpairs(S, M, sphere.area, 2)[2], ('U', 'lambda')
+    yield 'ConnectionReport', connected.connection_report, ()
+    yield 'Connection', connected, ('report', 'center', 'options', 'e')
+    yield 'SolveReport', factorised.report, ()
+    yield 'SolvedTriangulation', run.triangulation, ()
+    yield 'TriangleQuality', alcap.triangle_quality(sphere), ()
+    yield 'IntrinsicTriangulation', alcap.intrinsic_delaunay(sphere), ()
+    yield 'FieldRun', run, ('certificate', 'times')
+    yield 'FieldFeatures', aligned.features, ()
+    yield 'AlignedPiece', aligned.features.pieces[0], ()
+    yield 'LineDeviation', aligned.features.report['all'], ()
+    yield 'FeatureReport', aligned.features.report, ()
+    yield 'FeatureLine', aligned.features.graph.lines[0], ()
+    yield 'FeatureGraph', aligned.features.graph, ()
+    yield 'AlignedResult', alcap.aligned_field(aligned.connection, aligned.features.graph), ()
+    yield 'DesignResult', {**solved.report, 'field': 0, 'controls': 0}, ()
+    yield 'ControlReport', solved.controls[0], ()
+    yield 'EigenDesignResult', design, ()
+    yield 'EigenStrokeReport', design.strokes[0], ()
+    yield 'ControlReport', design.fixed[0], ()
+    yield 'Singularity', run.singularities.dtype.names, ()
+    yield 'SurfaceSegment', line.segments.dtype.names, ('a', 'b')
+    yield 'SurfacePolyline', line, ()
+    yield 'CurveSet', curves, ('start_reason', 'end_reason')
+    yield 'Transported', alcap.transport(connected, line, 1.0), ()
+    yield 'RunPlan', alcap.plan_field(1000), ()
+    yield 'PhasePlan', alcap.plan_field(1000)['phases'][0], ()
+    yield 'RepairedMesh', alcap.repair_mesh(sphere.V, sphere.F), ()
+    yield 'RepairedSurface', alcap.repaired_surface(sphere.V, sphere.F), ()
+    yield 'FieldEnergies', alcap.field_energies(connected, design.field), ()
+    yield 'Remark', alcap.run_field(*alcap.shapes.grid(3, 3, 1.0, 1.0)).remarks[0], ()
+    yield 'Frames', connected.frames, ()
+    yield 'Field', design.field, ()
+
+
+def test_results_have_every_member_of_the_structures(headers):
+    missing = []
+    for struct, result, elsewhere in results():
+        has = set(result) if isinstance(result, (dict, tuple)) else set(dir(result))
+        missing += [f'{struct}: {name}' for name in members(headers, struct) if name not in has and name not in elsewhere]
+    assert missing == []
 
 
 def section(doc, name):

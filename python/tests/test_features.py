@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Aligned runs in one call, feature files, repairs, edge lengths, hand-offs, transport, matrices, tables, plans."""
 import math
+import os
+import re
 
 import numpy as np
 import pytest
@@ -208,3 +210,121 @@ def test_plans():
     assert alcap.plan_field(10**10)['refusals']
     with pytest.raises(alcap.OptionError):
         alcap.plan_field(0)
+
+
+def needles(turns=100, height=4.0, rings=3):
+    """A shaft of long thin triangles with flat ends: its eigenvalues are those of the surface, not of the needles."""
+    a = 2 * np.pi * np.arange(turns) / turns
+    z = height * np.arange(rings) / (rings - 1)
+    rings_of_points = [np.stack([np.cos(a), np.sin(a), np.full(turns, h)], axis=1) for h in z]
+    V = np.concatenate(rings_of_points + [[[0, 0, 0], [0, 0, height]]])
+    i, j = np.arange(turns), (np.arange(turns) + 1) % turns
+    F = [np.stack([turns * r + i, turns * r + j, turns * (r + 1) + j], axis=1) for r in range(rings - 1)]
+    F += [np.stack([turns * r + i, turns * (r + 1) + j, turns * (r + 1) + i], axis=1) for r in range(rings - 1)]
+    last = turns * (rings - 1)
+    F += [np.stack([j, i, np.full(turns, turns * rings)], axis=1),
+          np.stack([last + i, last + j, np.full(turns, turns * rings + 1)], axis=1)]
+    return V, np.concatenate(F)
+
+
+def test_intrinsic_triangulations():
+    surface = alcap.Surface(*needles())
+    flipped = alcap.intrinsic_delaunay(surface)
+    assert flipped.before == alcap.triangle_quality(surface) and flipped.after == alcap.triangle_quality(flipped.surface)
+    assert flipped.after['not_delaunay'] == flipped.barred and flipped.complete and flipped.added == 0
+    assert flipped.surface.area == pytest.approx(surface.area, rel=1e-12)
+    assert flipped.surface.n_vertices == flipped.given_vertices == surface.n_vertices
+    assert flipped.surface.defects == pytest.approx(surface.defects, abs=1e-9)
+    rim = [surface.edge(k, (k + 1) % 100) for k in range(100)]
+    refined = alcap.intrinsic_delaunay(surface, keep=rim, min_angle=np.radians(20))
+    assert refined.after['angle_min'] >= np.radians(20) * (1 - 1e-9) and refined.added > 0
+    assert all({line[0], line[-1]} == {k, (k + 1) % 100} for k, line in enumerate(refined.kept))
+    assert not refined.surface.in_space
+    with pytest.raises(alcap.OptionError) as raised:
+        alcap.intrinsic_delaunay(surface, min_angle=1.0)
+    assert raised.value.field == 'min_angle'
+
+
+def test_values_carry_over_to_intrinsic_triangulations_and_back(bumpy):
+    better = alcap.intrinsic_delaunay(bumpy, min_angle=np.radians(15), max_radius=0.1)
+    u = np.exp(1j * np.arange(bumpy.n_vertices))
+    there = better.from_given(u, 4)
+    assert len(there) == better.surface.n_vertices > bumpy.n_vertices and not there[bumpy.n_vertices:].any()
+    assert better.to_given(there, 4) == pytest.approx(u, abs=1e-12)
+    with pytest.raises(alcap.OptionError):
+        better.to_given(u, 4)
+
+
+def test_runs_on_needles_say_what_they_were_solved_on():
+    V, F = needles(400, 40.0, 2)
+    run = alcap.run_field(V, F, n=2)
+    assert run.holds and run.triangulation['complete']
+    assert run.triangulation['after']['angle_min'] > np.radians(19.9) > run.triangulation['before']['angle_min']
+    assert run.report['triangulation']
+    runs = alcap.run_batch([(V, F)] * 2, n=2, triangulation='extrinsic')
+    assert all(r.triangulation is None for r in runs)
+
+
+def test_a_mollified_surface():
+    V, F = alcap.shapes.grid(4, 4, 1.0, 1.0)
+    V = V.copy()
+    middle = F[5]
+    V[middle[2]] = (V[middle[0]] + V[middle[1]]) / 2  # a face without area
+    with pytest.raises(alcap.MeshError):
+        alcap.Surface(V, F)
+    repaired = alcap.repaired_surface(V, F, ['mollify'])
+    assert repaired.surface.areas.min() > 0 and np.array_equal(repaired.surface.V, V)
+    assert [r['code'] for r in repaired.remarks] == ['mollified']
+
+
+def test_eigen_designs_hold_directions_and_cross_lines():
+    flat = alcap.connect(alcap.Surface(*alcap.shapes.grid(12, 12, 1.0, 1.0)))
+    line = alcap.stroke_along_vertices(flat, [6 * 13 + 3, 6 * 13 + 9])
+    along = alcap.eigen_design(flat, 2, strokes=[alcap.EigenStroke(line)])
+    across = alcap.eigen_design(flat, 2, strokes=[alcap.EigenStroke(line, across=True)])
+    middle = 6 * 13 + 6
+    turned = np.vdot(along.field.vectors(0)[middle], across.field.vectors(0)[middle])
+    size = np.linalg.norm(along.field.vectors(0)[middle]) * np.linalg.norm(across.field.vectors(0)[middle])
+    assert abs(turned) < 0.05 * size and along.strokes[0]['met'] and across.strokes[0]['met']
+    held = alcap.eigen_design(flat, 1, fixed=[alcap.VertexConstraint(middle, value=1j)])
+    assert held.fixed[0]['met'] and abs(np.angle(held.field.u[middle] / 1j)) < 0.01
+
+
+def test_points_of_curves_make_lines(bumpy):
+    run = alcap.smoothest_field(bumpy, n=4)
+    curves = alcap.streamlines(run.connection, run.field, spacing=0.05)
+    k = max(range(len(curves)), key=curves.length)
+    line = alcap.polyline_through(bumpy, *curves.path(k))
+    assert curves.complete and line.length == pytest.approx(curves.length(k), rel=1e-9)
+    one = alcap.transport_along_points(run.connection, *curves.path(k), 1.0)
+    assert one.z == pytest.approx(alcap.transport_along_curve(run.connection, curves, k, 1.0).z)
+
+
+def test_the_angle_of_eigenvectors_is_that_of_directions(bumpy):
+    connected = alcap.connect(bumpy)
+    S, M = alcap.energy_matrices(connected, 4)
+    phase = alcap.smallest_eigenpair(S, M, bumpy.area)[1]
+    direction = alcap.smallest_eigenpair(S, M, bumpy.area, degree=4)[1]
+    assert direction['angle'] == pytest.approx(phase['angle'] / 4, rel=1e-6)
+    u, report = alcap.smallest_eigenpair(S, M, bumpy.area, angle_tolerance=0.01, degree=4)
+    assert report['converged'] and report['angle'] <= 0.01
+
+
+def test_trivial_connections_say_what_they_were_given():
+    donut = alcap.Surface(*alcap.shapes.torus(24, 12, 1.0, 0.4))
+    flat = alcap.connect(donut, 'trivial', generator_holonomy=[0.25, 0.5], n=4)
+    assert flat.flat and not flat.to_target and flat.generator_holonomy == [0.25, 0.5] and flat.loop_index == []
+    assert len(flat.alpha) == 3 * donut.n_faces and len(alcap.connect(donut).alpha) == 0
+    assert flat.admits_parallel(4) and not flat.admits_parallel(1)
+
+
+def test_the_page_about_petsc_runs(source, bumpy):
+    pytest.importorskip('petsc4py')
+    text = open(os.path.join(source, 'docs/python.md')).read()
+    block = next(b for b in re.findall(r'^```python\n(.*?)^```', text, re.M | re.S) if 'petsc4py' in b)
+    names = {}
+    exec(compile(block, 'docs/python.md', 'exec'), names)
+    with names['petsc']:
+        run = alcap.smoothest_field(bumpy, n=2, solver='petsc4py', method='lanczos')
+        assert run.holds and 'petsc4py' in run.eigen[0]['solver']
+    assert run.eigen[0]['lambda'] == pytest.approx(alcap.smoothest_field(bumpy, n=2).eigen[0]['lambda'], rel=1e-7)

@@ -2,6 +2,7 @@
 """The package itself: types, docstrings, versions, what the wheel holds and needs."""
 import importlib.util
 import inspect
+import json
 import os
 import re
 import shutil
@@ -70,7 +71,7 @@ def test_stubs_name_what_the_module_has(source):
     stubs = set(re.findall(r'^(?:def|class) (\w+)', text, re.M)) - {'_Run'}
     real = {name for name in dir(_alcap) if not name.startswith('__')}
     assert stubs == real
-    for name in ('Surface', 'ConnectedSurface', 'Field', 'Frames', 'CurveSet', 'Polyline'):
+    for name in ('Surface', 'ConnectedSurface', 'Field', 'Frames', 'IntrinsicTriangulation', 'CurveSet', 'Polyline'):
         body = re.search(rf'^class {name}[(:].*?(?=^\S)', text, re.M | re.S).group(0)
         members = {m for m in re.findall(r'def (\w+)', body) if not m.startswith('__')}
         assert members == {m for m in vars(getattr(_alcap, name)) if not m.startswith('__')}, name
@@ -140,6 +141,38 @@ def test_notebooks_run_in_a_kernel(source, tmp_path):
                         os.path.join(source, 'examples/python', file)], check=True, env=environment, timeout=300)
     text = (tmp_path / 'first_field.ipynb').read_text()
     assert '"image/png"' in text and 'certificate holds' in text
+
+
+BUNNY = '/usr/share/glmark2/models/bunny.obj'  # of Debian's glmark2-data
+
+
+def has_page(run):
+    try:
+        return run.page() != ''
+    except alcap.Error:
+        return False
+
+
+def test_ten_lines_of_the_readme_show_the_page_in_a_notebook(source, tmp_path, cross):
+    pytest.importorskip('nbconvert')
+    pytest.importorskip('ipykernel')
+    text = open(os.path.join(source, 'README.md')).read()
+    lines = re.search(r'^```python\n(.*?)^```', text, re.M | re.S).group(1)
+    assert len(lines.split('\n')) <= 11
+    if os.path.exists(BUNNY):
+        shutil.copy(BUNNY, tmp_path / 'bunny.obj')
+    else:
+        alcap.write_mesh(tmp_path / 'bunny.obj', *alcap.shapes.bumpy_sphere(4, 0.3, 4.0))
+    cells = [{'cell_type': 'code', 'metadata': {}, 'execution_count': None, 'outputs': [], 'source': code, 'id': name}
+             for name, code in (('lines', lines), ('run', 'run'))]
+    (tmp_path / 'bunny.ipynb').write_text(json.dumps({'cells': cells, 'metadata': {}, 'nbformat': 4, 'nbformat_minor': 5}))
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(os.path.dirname(alcap.__file__)))
+    subprocess.run([sys.executable, '-m', 'nbconvert', '--to', 'notebook', '--execute', '--inplace', 'bunny.ipynb'],
+                   check=True, env=environment, cwd=tmp_path, timeout=300)
+    said, shown = json.loads((tmp_path / 'bunny.ipynb').read_text())['cells']
+    assert re.search(r'\d+ singularities, smallest eigenvalue', ''.join(said['outputs'][0]['text']))
+    page = ''.join(shown['outputs'][0]['data']['text/html'])
+    assert ('<iframe srcdoc=' in page and '&lt;canvas' in page) or not has_page(cross)
 
 
 def test_the_readme_runs(source, tmp_path, monkeypatch):
