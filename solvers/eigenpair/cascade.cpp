@@ -21,6 +21,7 @@
 #include "solvers/dense/hermitian.h"
 #include "solvers/eigenpair/block_descent.h"
 #include "solvers/eigenpair/cluster.h"
+#include "solvers/eigenpair/patches.h"
 #include "solvers/linear/backends.h"
 #include "src/base/numbers.h"
 #include "src/base/random.h"
@@ -59,6 +60,10 @@ constexpr double gap_of_4 = 1.3;
 constexpr double gap = 1.1;
 /// Refinement that needs more iterations than this would be slower than a factorisation.
 constexpr int refine_limit = 100;
+/// A level with so many unknowns for each state below the smallest eigenvalue (states_below()) orders states rightly to
+/// this part of it.
+constexpr double unknowns_of_a_state = 128;
+constexpr double level_error = 0.02;
 /// Widths of blocks, as vector instructions like them. A coarsest level needs that many rows.
 constexpr int narrow_block = 4, usual_block = 8, wide_block = 16;
 
@@ -85,7 +90,7 @@ class Cascade {
  public:
   /// S and M have the same pattern. `transports`: the phases of M are the parallel transports.
   Cascade(const EigenProblem& problem, bool transports, const EigenOptions& options)
-      : pencil_{problem.S, problem.M}, options_(options) {
+      : pencil_{problem.S, problem.M}, options_(options), counted_(asks_for_proof(options, problem.S.rows())) {
     const HermitianMatrix& S = problem.S;
     const HermitianMatrix& M = problem.M;
     Buffer<double> mass(S.rows());
@@ -121,7 +126,36 @@ class Cascade {
     return {};
   }
 
+  /// The smallest eigenpair from vectors of patches, the pair found before, and random vectors.
+  Refined from_patches(const std::vector<LocalVector>& found, const ComplexVector& before) {
+    constexpr int K = wide_block;
+    const Level& level = hierarchy_.levels()[0];
+    Random random(options_.seed + 1);
+    Buffer<float> x(2 * K * std::int64_t{level.rows()});
+    for (std::int64_t i = 0; i < x.size(); ++i) x[i] = static_cast<float>(random.uniform(-1, 1));
+    const auto set = [&](int k, std::int64_t i, std::complex<double> z) {
+      x[2 * K * i + k] = level.near[i] * static_cast<float>(z.real());
+      x[2 * K * i + K + k] = level.near[i] * static_cast<float>(z.imag());
+    };
+    const auto columns = static_cast<int>(std::min<std::size_t>(found.size(), usual_block));
+    for (int k = 0; k <= columns; ++k) {
+      const bool last = k == columns;
+      const ComplexVector& u = last ? before : found[static_cast<std::size_t>(k)].u;
+      const double scale = 1 / u.cwiseAbs().maxCoeff();
+      for (std::int64_t i = 0; i < level.rows(); ++i) set(k, i, last ? scale * u[i] : 0);
+      for (Eigen::Index j = 0; !last && j < u.size(); ++j)
+        set(k, found[static_cast<std::size_t>(k)].rows[static_cast<std::size_t>(j)], scale * u[j]);
+    }
+    FinestBlock<K> block(pencil_, hierarchy_, std::move(x));
+    const int steps = descend<K>(block);
+    return block.values().size() < K ? Refined{} : last_digits<K>(block, steps);
+  }
+
   [[nodiscard]] double unit() const { return unit_; }
+  /// Whether states may have been lost on coarse levels, none of which had the unknowns for them.
+  [[nodiscard]] bool unresolved(double lambda) const {
+    return !counted_ && !patches_done_ && states_below(lambda, 1 / floor_) > dense_states;
+  }
 
  private:
   /// Lumped masses of all levels in their scaled unknowns: row sums along the near-null vectors.
@@ -224,10 +258,89 @@ class Cascade {
     for (--l; l > 0; --l) {
       x = on_level<K>(l, std::move(x), level_steps, values);
       if (values.size() < K) return {};
+      if (!patches_done_ && resolves(l, values[0]) && !add_local_vectors<K>(l, x, values)) return too_narrow();
       if (narrow<K>(values)) return too_narrow();
       x = prolonged<K, K>(hierarchy_.levels()[l - 1], x);
     }
     return finest<K>(std::move(x), values);
+  }
+
+  /// Whether more states than a block has may compete for the first place, and this level has the unknowns for them.
+  [[nodiscard]] bool resolves(std::size_t l, double smallest) const {
+    const double states = states_below(smallest, 1 / floor_);
+    return !counted_ && states > dense_states && hierarchy_.levels()[l].rows() >= unknowns_of_a_state * states;
+  }
+
+  /// A and the masses of a level.
+  [[nodiscard]] std::pair<HermitianMatrix, HermitianMatrix> matrices_of(std::size_t l) const {
+    const Level& level = hierarchy_.levels()[l];
+    const auto n = static_cast<Index>(level.rows());
+    HermitianMatrix S(n, n), M(n, n);
+    S.reserve(level.off.nonzeros() + n);
+    M.reserve(n);
+    for (Index j = 0; j < n; ++j) {
+      S.startVec(j);
+      M.startVec(j);
+      M.insertBack(j, j) = masses_[l][j];
+      // Row j is the conjugate of column j; its columns need not be sorted.
+      std::vector<std::pair<Index, std::complex<double>>> column{{j, 1.0}};
+      for (std::int64_t e = level.off.start[j]; e < level.off.start[j + 1]; ++e)
+        column.emplace_back(level.off.column[e], std::conj(std::complex<double>(level.off.value[e])));
+      std::sort(column.begin(), column.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      for (const auto& [i, value] : column) S.insertBack(i, j) = value;
+    }
+    S.finalize();
+    M.finalize();
+    return {std::move(S), std::move(M)};
+  }
+
+  /// Whether most of a local vector lies in the span of the columns of x, which are orthonormal by the masses.
+  template <int K>
+  static bool contained(const LocalVector& local, const Buffer<float>& x, const Buffer<float>& mass) {
+    constexpr double most = 0.8;
+    double inside = 0;
+    for (int k = 0; k < K; ++k) {
+      std::complex<double> overlap = 0;
+      for (std::size_t j = 0; j < local.rows.size(); ++j) {
+        const std::int64_t i = local.rows[j];
+        const std::complex<double> z{double{x[2 * K * i + k]}, -double{x[2 * K * i + K + k]}};
+        overlap += double{mass[i]} * z * local.u[static_cast<Eigen::Index>(j)];
+      }
+      inside += std::norm(overlap);
+    }
+    return inside > most;
+  }
+
+  /// Column k of x becomes a local vector.
+  template <int K>
+  static void put(const LocalVector& local, int k, Buffer<float>& x) {
+    const std::int64_t rows = x.size() / (2 * K);
+    for (std::int64_t i = 0; i < rows; ++i) x[2 * K * i + k] = x[2 * K * i + K + k] = 0;
+    for (std::size_t j = 0; j < local.rows.size(); ++j) {
+      const std::complex<double> z = local.u[static_cast<Eigen::Index>(j)];
+      x[2 * K * std::int64_t{local.rows[j]} + k] = static_cast<float>(z.real());
+      x[2 * K * std::int64_t{local.rows[j]} + K + k] = static_cast<float>(z.imag());
+    }
+  }
+
+  /// Step 2 once more on level l, with what its patches have below the smallest value of the block in place of the
+  /// block's last vectors. False when that is more than fits.
+  template <int K>
+  bool add_local_vectors(std::size_t l, Buffer<float>& x, VectorX<double>& values) {
+    const auto [S, M] = matrices_of(l);
+    // States of the level are ordered by its own errors as well: all that come near are taken.
+    const double sigma = values[0] + level_error * std::max(values[0], floor_);
+    const std::int64_t known = (values.array() < sigma).cast<std::int64_t>().sum();
+    std::vector<LocalVector> found =
+        search_patches({.S = S, .M = M, .area = 1 / floor_}, options_, sigma, wide_block - 2, known);
+    const Buffer<float>& mass = masses_[l];
+    std::erase_if(found, [&](const LocalVector& local) { return contained<K>(local, x, mass); });
+    if (K < wide_block && found.size() > K / 2) return false;
+    patches_done_ = true;
+    if (found.empty()) return true;
+    for (std::size_t f = 0; f < found.size(); ++f) put<K>(found[f], K - 1 - static_cast<int>(f), x);
+    x = on_level<K>(l, std::move(x), level_steps, values);
+    return true;
   }
 
   /// A few steps of block LOBPCG, preconditioned by one cycle each.
@@ -275,6 +388,12 @@ class Cascade {
     const int steps = descend<K>(block);
     if (block.values().size() < K) return {};
     if (narrow<K>(block.values())) return too_narrow();
+    return last_digits<K>(block, steps);
+  }
+
+  /// Step 4, after so many steps on the finest level.
+  template <int K>
+  Refined last_digits(FinestBlock<K>& block, int steps) {
     const RefineOptions refinement{.tolerance = options_.residual_tolerance(),
                                    .sine = options_.by_angle() ? sine_tolerance(options_) : 0,
                                    .floor = floor_,
@@ -293,9 +412,22 @@ class Cascade {
   double unit_ = 1;   // eigenvalues of the pencil per eigenvalue of the problem
   double floor_ = 0;  // 1/area in the pencil's unit
   Hierarchy hierarchy_;
-  double shifted_ = 0;  // of its coarser levels, in the pencil's unit
+  bool counted_ = false;       // a proof will follow
+  bool patches_done_ = false;  // on some level
+  double shifted_ = 0;         // of its coarser levels, in the pencil's unit
   std::vector<Buffer<float>> masses_;
 };
+
+/// Step 5: `refined` becomes what patches led to where that is lower.
+void look_for_lower(const EigenProblem& problem, const EigenOptions& options, Cascade& cascade, Refined& refined) {
+  const double lambda = refined.lambda / cascade.unit(), scale = std::max(lambda, 1 / problem.area);
+  const std::vector<LocalVector> found = search_patches(problem, options, lambda - bound_margin * scale, usual_block);
+  if (found.empty()) return;
+  Refined lower = cascade.from_patches(found, refined.u);
+  const int before = refined.iterations;
+  if (lower.end == Refined::End::converged && lower.lambda < refined.lambda) refined = std::move(lower);
+  refined.iterations += before;
+}
 
 /// The way out when the cascade does not arrive: a factorisation.
 EigenResult factorised(const EigenProblem& problem, EigenOptions options, const std::string& why) {
@@ -324,6 +456,8 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
     Cascade cascade({.S = same ? problem.S : S, .M = same ? problem.M : M, .area = problem.area}, same, options);
     unit = cascade.unit();
     refined = cascade.run();
+    if (refined.end == Refined::End::converged && cascade.unresolved(refined.lambda))
+      look_for_lower(problem, options, cascade, refined);
   } catch (const SolveError& e) {
     // Not positive somewhere: what exactly, the factorisation will say.
     if (problem.S.rows() > factorisable_rows) throw;
