@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace alcap::detail {
@@ -79,7 +80,14 @@ class Cluster {
     first.next_good = options.next_good;
   }
 
-  /// Refines the second vector until its eigenvalue is right to about the square of second_residual.
+  /// The residual at which the second eigenvalue, whose error is its square over the gap to the third, is well within
+  /// what `next` promises.
+  [[nodiscard]] double enough_for_second() const {
+    const double gap = (theta_[2] - theta_[1]) / std::max(theta_[1], options_.floor);
+    return std::clamp(std::sqrt(second_part * next_accuracy * gap), least_second_residual, most_second_residual);
+  }
+
+  /// Refines the second vector until its eigenvalue is as good as `next` promises.
   void find_second(Refined& first) {
     if (first.next_good) return;
     members_.clear();
@@ -90,7 +98,7 @@ class Cluster {
     theta_[0] = first.lambda;
     iterations_ = first.iterations;
     options_.max_iterations += second_steps;
-    refine_member(1, second_steps, second_residual);
+    refine_member(1, second_steps, enough_for_second());
     const auto [S, M] = products_of_members();
     const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), 2, dependent);
     first.next_good = ritz.values.size() == 2;
@@ -103,8 +111,10 @@ class Cluster {
   /// Ritz values is of the order of their squares. Another round goes on from there.
   static constexpr int member_steps = 3;
   static constexpr int most_rounds = 4;
-  /// Of the second eigenpair, whose eigenvalue is information: it is then right to 1e-4 or so.
-  static constexpr double second_residual = 3e-3;
+  /// Of the second eigenpair: part of next_accuracy that its residual may use up, and its bounds. Where the third
+  /// eigenvalue is close the vector may be a mixture of both.
+  static constexpr double second_part = 0.3;
+  static constexpr double least_second_residual = 3e-3, most_second_residual = 3e-2;
   static constexpr int second_steps = 10;
   /// Of the tolerance, apart from mates: the rest is for what mates leave.
   static constexpr double enough_outside = 0.3;

@@ -104,7 +104,9 @@ inline constexpr double next_accuracy = 1e-3;
 [[nodiscard]] bool asks_for_proof(const EigenOptions& options, Eigen::Index rows);
 /// Fills in `smallest`, `lower_bound` and `smallest_note`, and keeps `next` only where it is established. A pair that
 /// is refuted is replaced by the smallest one. `own`: `next` comes from a method of the library, which makes it an
-/// upper bound of the second eigenvalue.
-void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result);
+/// upper bound of the second eigenvalue. `memory`: bytes that the factorisation may take, by default half of what the
+/// system could still give; where that is too little an independent search takes its place.
+void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,
+                    std::optional<double> memory = {});
 
 }  // namespace alcap::detail

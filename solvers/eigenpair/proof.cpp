@@ -18,8 +18,10 @@ namespace alcap {
 namespace detail {
 namespace {
 
-/// The proof takes 0.3 to 0.6 of the solve's time at 10,000 to 160,000 rows, and as much as it at 650,000.
+/// Unasked a proof is made where it takes no longer than the solve did: so many rows at most, and of these so many
+/// operations per row and iteration, or so many in all (a twentieth of a second).
 constexpr Eigen::Index automatic_rows = 200'000;
+constexpr double automatic_per_iteration = 4000, automatic_flops = 1e9;
 /// Of the memory that the system could still give.
 constexpr double memory_part = 0.5;
 /// Growth of entries up to which a count is believed: six of sixteen digits are left, and sigma keeps its distance from
@@ -35,7 +37,10 @@ constexpr double largest_margin = 0.1;
 /// A pair found by the other method is the smallest in the first attempt, but for a start vector without a part of it.
 constexpr int attempts = 3;
 /// An independent search stops early: eigenvalues are good to the square.
-constexpr double search_tolerance = 1e-4;
+constexpr double search_tolerance = 1e-6;
+/// How often it may miss what it is said not to have missed, and how many steps it makes before its first restart.
+constexpr double search_risk = 1e-3;
+constexpr int search_steps = 40;
 
 double scale_of(const EigenProblem& problem, double lambda) { return std::max(std::abs(lambda), 1 / problem.area); }
 
@@ -45,9 +50,13 @@ class Proof {
  public:
   Proof(const EigenProblem& problem, EigenResult& result) : problem_(problem), result_(result), counter_(problem) {}
 
-  [[nodiscard]] bool fits() const {
-    const auto available = static_cast<double>(available_memory_bytes());
-    return available == 0 || counter_.fronts().bytes() <= memory_part * available;
+  [[nodiscard]] bool fits(std::optional<double> memory) const {
+    const double available = memory.value_or(memory_part * static_cast<double>(available_memory_bytes()));
+    return (available == 0 && !memory) || counter_.fronts().bytes() <= available;
+  }
+  [[nodiscard]] bool cheap() const {
+    const double solve = automatic_per_iteration * static_cast<double>(problem_.S.rows()) * result_.report.iterations;
+    return counter_.fronts().flops() <= std::max(automatic_flops, solve);
   }
 
   /// Whether the pair at hand is the smallest; sets the bound and the next one.
@@ -84,6 +93,7 @@ class Proof {
       return Verdict::undecided;
     }
     if (candidate && *below_next <= bound) return proven(bound, candidate);
+    if (!candidate) return proven(bound, std::nullopt);
     // A multiple eigenvalue shows one vector to methods that iterate one.
     const double above = report.lambda + std::max(margin, bound_margin * scale);
     const EigenvalueCounter::Count near = counter_.below(above, 1);
@@ -132,30 +142,58 @@ std::optional<double> second(const EigenProblem& problem, EigenOptions options) 
   return modes.lambda[1];
 }
 
-/// Without a factorisation: Lanczos with multigrid solves from an independent random vector.
+/// The part of the smallest eigenvalue (from `sigma` on) by which `steps` steps of Lanczos from a random vector miss it
+/// with a probability of search_risk at most: that of an error of more than epsilon is no larger than
+///   1.648 sqrt(N) exp(-(2 steps - 1) sqrt(epsilon))
+/// for starts that favour no direction of the N real dimensions (Kuczynski and Wozniakowski 1992).
+double missed_part(Eigen::Index rows, int steps) {
+  constexpr double factor = 1.648;
+  const double root = std::log(factor * std::sqrt(2 * static_cast<double>(rows)) / search_risk) / (2 * steps - 1);
+  return std::min(1.0, root * root);
+}
+
+/// What an independent search that found nothing lower is worth, in words.
+std::string confidence(Eigen::Index rows, const EigenReport& found) {
+  const double part = missed_part(rows, std::clamp(found.iterations, 1, search_steps));
+  std::string text = "not proven; a search from an independent random vector found nothing lower";
+  if (part < 1)
+    text += ", and would have found with a confidence of " + rounded_text(100 * (1 - search_risk)) +
+            " % what lies more than " + rounded_text(100 * part) + " % lower";
+  return text;
+}
+
+/// Without a factorisation: Lanczos with multigrid solves from independent random vectors, until one finds nothing
+/// lower.
 void search(const EigenProblem& problem, const EigenOptions& options, EigenResult& result) {
-  EigenOptions other = options;
-  other.solver = "multigrid";
-  other.seed += 1;
-  other.tolerance = std::max(options.residual_tolerance(), search_tolerance);
-  EigenResult found = smallest_lanczos(problem, other);
-  EigenReport& report = result.report;
-  report.next.reset();
-  if (!found.report.converged) {
-    report.smallest_note = "too large to be factorised, and an independent search did not converge";
-    return;
-  }
-  const double gain = report.lambda - found.report.lambda;
-  if (gain > next_accuracy * scale_of(problem, report.lambda)) {
+  result.report.next.reset();
+  const double first = result.report.lambda;
+  std::string replaced;
+  for (int attempt = 1; attempt <= attempts; ++attempt) {
+    EigenOptions other = options;
+    other.solver = "multigrid";
+    other.seed += static_cast<std::uint64_t>(attempt);
+    other.tolerance = std::max(options.residual_tolerance(), search_tolerance);
+    const EigenReport found = smallest_lanczos(problem, other).report;
+    if (!found.converged) {
+      result.report.smallest_note = replaced + "too large to be factorised, and an independent search did not converge";
+      return;
+    }
+    const double lambda = result.report.lambda, lower = lambda - next_accuracy * scale_of(problem, lambda);
+    if (found.lambda >= lower) {
+      result.report.smallest = Smallest::searched;
+      result.report.smallest_note = replaced + confidence(problem.S.rows(), found);
+      return;
+    }
     other.tolerance = options.residual_tolerance();
-    const std::string from =
-        "the first search ended at " + rounded_text(report.lambda) + ", an independent one found a smaller eigenvalue";
-    replace(result, smallest_lanczos(problem, other), from);
+    EigenResult again = smallest_lanczos(problem, other);
+    if (!again.report.converged || again.report.lambda >= lower) break;
+    replaced = "the first search ended at " + rounded_text(first) + ", an independent one found a smaller eigenvalue; ";
+    replace(result, std::move(again), "");
     result.report.next.reset();
   }
-  result.report.smallest = Smallest::searched;
-  if (result.report.smallest_note.empty())
-    result.report.smallest_note = "not proven; an independent search found nothing lower";
+  // A Rayleigh quotient is enough to know that.
+  result.report.smallest = Smallest::refuted;
+  result.report.smallest_note = "an independent search found a smaller eigenvalue, but not its vector";
 }
 
 }  // namespace
@@ -190,7 +228,8 @@ bool asks_for_proof(const EigenOptions& options, Eigen::Index rows) {
          (options.prove_smallest == Prove::automatic && rows <= automatic_rows);
 }
 
-void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result) {
+void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,
+                    std::optional<double> memory) {
   if (result.report.smallest == Smallest::proven) return;
   const Stopwatch timer;
   const auto unchecked = [&](std::string why) { result.report.smallest_note = std::move(why); };
@@ -201,7 +240,9 @@ void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bo
     return unchecked("more than " + std::to_string(automatic_rows) + " rows: EigenOptions::prove_smallest asks for it");
   const ControlScope scope(options.cancel);
   Proof proof(problem, result);
-  if (!proof.fits()) {
+  if (options.prove_smallest == Prove::automatic && !proof.cheap())
+    return unchecked("a proof would take longer than the solve did: EigenOptions::prove_smallest asks for it");
+  if (!proof.fits(memory)) {
     search(problem, options, result);
     result.report.proof_seconds = timer.seconds();
     return;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "solvers/linear/multifrontal.h"
 
-#include <Eigen/OrderingMethods>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -119,11 +118,9 @@ constexpr std::int64_t shared_rows = 32;
 
 std::vector<Index> fill_reducing_order(const Matrix& A) {
 #ifdef ALCAP_WITH_CHOLMOD
-  if (A.rows() > dissection_above_rows) return metis_order(A);
+  if (A.rows() > metis_above_rows) return metis_order(A);
 #endif
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, Index> order;
-  Eigen::AMDOrdering<Index>()(A.selfadjointView<Eigen::Lower>(), order);
-  return {order.indices().begin(), order.indices().end()};
+  return dissection_order(A);
 }
 
 Multifrontal::Multifrontal(const Matrix& A) {

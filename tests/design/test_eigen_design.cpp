@@ -95,6 +95,32 @@ TEST_CASE("the real matrix and the update of the complex one agree to 1e-8 with 
   }
 }
 
+TEST_CASE("with strokes the eigenvalue is proven to be the smallest, on both paths, and every residual is given") {
+  for (const bool closed : {true, false}) {
+    const Case s(closed ? bumpy_sphere(4, 0.3, 2.3) : disk(16));
+    const auto line = closed ? s.stroke(great_circle, 40) : s.stroke(flat_circle, 40);
+    for (const int n : {1, 4})
+      for (const EigenPath path : {EigenPath::real_view, EigenPath::low_rank}) {
+        CAPTURE(closed);
+        CAPTURE(n);
+        EigenDesignOptions options{.n = n, .path = path};
+        const EigenReport r = s.design({{.line = line}}, options).components[0];
+        CHECK(r.converged);
+        CHECK(r.smallest == Smallest::proven);
+        CHECK(r.lower_bound.value() < r.lambda);
+        CHECK(r.lower_bound.value() >= r.lambda - 1e-4 * std::max(r.lambda, 1.0));
+        CHECK(r.energy_residual > 0);
+        CHECK(r.energy_residual <= options.eigen.residual_tolerance());
+        CHECK(r.distance > 0);
+        options.eigen.prove_smallest = Prove::never;
+        const EigenReport unproven = s.design({{.line = line}}, options).components[0];
+        CHECK(unproven.smallest == Smallest::not_checked);
+        CHECK(!unproven.smallest_note.empty());
+        CHECK(unproven.lambda == doctest::Approx(r.lambda).epsilon(1e-8));
+      }
+  }
+}
+
 TEST_CASE("the mass of strokes, integrated densely with FaceField, bounds the smoothness by the eigenvalue") {
   const Case s(jittered_sphere(2, 0.15, 6));
   const int n = 2;

@@ -2,20 +2,17 @@
 //
 // hunt_accuracy.cpp: fields to an angle of 0.01 degrees against the same solved to ten digits and more, on random
 // meshes: angles, what was said of them, singularities. No test: a run has no end but the one asked for. See
-// scripts/hunt_accuracy.sh.
+// scripts/hunt.sh.
 //
 //   hunt_accuracy RUNS SEED [FAMILY]
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <map>
 #include <string>
 
 #include "alcap/energies.h"
 #include "alcap/field_run.h"
 #include "tests/support/angles.h"
-#include "tests/support/random_meshes.h"
+#include "tests/support/hunt.h"
 
 namespace {
 
@@ -24,11 +21,19 @@ using alcap::test::AngleError, alcap::test::Dice, alcap::test::families;
 
 struct Tally {
   int runs = 0, bounded = 0, unknown = 0, close = 0, above_bound = 0, moved = 0;
+  int failures = 0;
   double worst = 0, worst_bound = 0;
+
+  void add(const Tally& t) {
+    runs += t.runs, bounded += t.bounded, close += t.close, unknown += t.unknown, above_bound += t.above_bound;
+    moved += t.moved, failures += t.failures;
+    worst = std::max(worst, t.worst), worst_bound = std::max(worst_bound, t.worst_bound);
+  }
+  [[nodiscard]] int bad() const { return failures; }
 };
 
-/// 1 where the truth is beyond what was said, or singularities differ without a reason.
-int hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
+/// A failure where the truth is beyond what was said, or singularities differ without a reason.
+void hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
   Dice dice(seed);
   const MeshData mesh = families.at(family)(dice);
   const int n = dice.whole(1, 8);
@@ -43,7 +48,7 @@ int hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
   ++tally.runs;
   if (run.eigen.size() > 1) {
     tally.moved += !alcap::test::moved_singularities(run.mesh(), run.indices, exact.indices).empty();
-    return 0;
+    return;
   }
   const EigenReport& eigen = run.eigen[0];
   const bool close = !eigen.next || *eigen.next - eigen.lambda < 1e-3 * *eigen.next;
@@ -70,17 +75,16 @@ int hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
     tally.worst = std::max(tally.worst, error.rms);
     tally.worst_bound = std::max(tally.worst_bound, *eigen.angle);
   }
-  if (!beyond && !moved && run.certificate.holds()) return 0;
+  if (!beyond && !moved && run.certificate.holds()) return;
   std::printf(
       "%s, seed %llu, n = %d, %d vertices: lambda %.6g, next %.6g, residual %.1e, angle %.2e (%s), true %.2e, at "
       "vertices %.2e%s%s, |u| %.1e\n",
       family.c_str(), static_cast<unsigned long long>(seed), n, static_cast<int>(mesh.V.rows()), eigen.lambda,
       eigen.next.value_or(0), eigen.residual, eigen.angle.value_or(-1), std::string(name(eigen.angle_check)).c_str(),
       error.rms, error.vertices, moved ? ", singularities moved" : "", beyond ? ", BEYOND ITS BOUND" : "", length);
-  std::fflush(stdout);
   // Localised vectors fade to nothing: what is left of them there is rounding at any tolerance.
   constexpr double faded = 1e-4;
-  return beyond || (moved && !close && length > faded) ? 1 : 0;
+  tally.failures += beyond || (moved && !close && length > faded);
 }
 
 void print(const std::string& family, const Tally& t) {
@@ -91,35 +95,8 @@ void print(const std::string& family, const Tally& t) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3 || (argc > 3 && families.count(argv[3]) == 0)) {
-    std::fprintf(stderr, "hunt_accuracy RUNS SEED [FAMILY]\n");
-    return 2;
-  }
-  const int runs = std::atoi(argv[1]);
-  const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
-  std::map<std::string, Tally> tallies;
-  int failures = 0;
-  for (int run = 0; run < runs;)
-    for (const auto& [family, make] : families) {
-      if ((argc > 3 && family != argv[3]) || run >= runs) continue;
-      try {
-        failures += hunt(family, seed * 1'000'003 + static_cast<std::uint64_t>(run), tallies[family]);
-      } catch (const std::exception& e) {
-        std::printf("%s, run %d: %s\n", family.c_str(), run, e.what());
-        ++failures;
-      }
-      ++run;
-    }
-  std::printf("%-8s %6s %8s %8s %9s %7s %6s %10s %10s\n", "family", "runs", "bounded", "no next", "small gap", "beyond",
-              "moved", "angle", "true");
-  Tally all;
-  for (const auto& [family, t] : tallies) {
-    print(family, t);
-    all.runs += t.runs, all.bounded += t.bounded, all.close += t.close, all.unknown += t.unknown,
-        all.above_bound += t.above_bound;
-    all.moved += t.moved;
-    all.worst = std::max(all.worst, t.worst), all.worst_bound = std::max(all.worst_bound, t.worst_bound);
-  }
-  print("all", all);
-  return failures > 0 ? 1 : 0;
+  char head[128];
+  std::snprintf(head, sizeof(head), "%-8s %6s %8s %8s %9s %7s %6s %10s %10s", "family", "runs", "bounded", "no next",
+                "small gap", "beyond", "moved", "angle", "true");
+  return alcap::test::hunt_all<Tally>(argc, argv, head, hunt, print);
 }

@@ -2,29 +2,38 @@
 //
 // hunt_smallest.cpp: looks for meshes on which the eigenpair that is returned is not the smallest one, or the second
 // eigenvalue is wrong. Every mesh is random; what solvers say is held against counts of eigenvalues. No test: a run has
-// no end but the one asked for. See scripts/hunt_smallest.sh.
+// no end but the one asked for. See scripts/hunt.sh.
 //
 //   hunt_smallest RUNS SEED [FAMILY]
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <exception>
-#include <map>
+#include <ctime>
 #include <string>
 
 #include "alcap/connected_surface.h"
 #include "alcap/energies.h"
 #include "alcap/solve.h"
-#include "tests/support/random_meshes.h"
+#include "tests/support/hunt.h"
 
 namespace {
 
 using namespace alcap;
 using alcap::test::Dice, alcap::test::families;
+
 struct Tally {
   int runs = 0, cascade_wrong = 0, wrong = 0, proven = 0, next = 0, next_wrong = 0;
   double cascade_seconds = 0, seconds = 0;
+
+  void add(const Tally& t) {
+    runs += t.runs, cascade_wrong += t.cascade_wrong, wrong += t.wrong, proven += t.proven;
+    next += t.next, next_wrong += t.next_wrong;
+    cascade_seconds += t.cascade_seconds, seconds += t.seconds;
+  }
+  [[nodiscard]] int bad() const { return wrong + next_wrong; }
 };
+
+/// Of this process, on all its threads.
+double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 /// Whether `next` is the second eigenvalue to what it promises.
 bool next_right(const StiffnessMass& m, double next) {
@@ -39,26 +48,28 @@ void hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
   const ConnectedSurface surface = connect(Surface(mesh.V, mesh.F), {.n = n});
   const StiffnessMass m = energy_matrices(surface.mesh(), surface.geometry(), surface.connection(), n, 0.0);
   const double area = surface.geometry().total_area();
+  const double start = cpu_seconds();
   const EigenReport cascade =
       smallest_eigenpair(m.S, m.M, area, {.method = "lobpcg", .prove_smallest = Prove::never}).report;
+  const double between = cpu_seconds();
   const EigenReport all = smallest_eigenpair(m.S, m.M, area).report;
+  tally.seconds += cpu_seconds() - between;
+  tally.cascade_seconds += between - start;
   constexpr double below = 2e-6;  // twice what a proof leaves open
   const auto count = inertia(m.S, m.M, all.lambda - below * std::max(all.lambda, 1 / area)).below;
   const bool next_wrong = all.next && !next_right(m, *all.next);
   ++tally.runs;
-  tally.cascade_wrong += cascade.lambda > all.lambda * (1 + below);
+  const bool cascade_wrong = cascade.lambda > all.lambda * (1 + below);
+  tally.cascade_wrong += cascade_wrong;
   tally.wrong += count != 0;
   tally.proven += all.smallest == Smallest::proven;
   tally.next += all.next.has_value();
   tally.next_wrong += next_wrong;
-  tally.cascade_seconds += cascade.seconds;
-  tally.seconds += all.seconds;
-  if (count == 0 && !next_wrong && all.smallest == Smallest::proven) return;
-  std::printf("%s, seed %llu, n = %d, %d vertices: lambda %.9g (%s), %lld below, next %.9g %s; %s\n", family.c_str(),
-              static_cast<unsigned long long>(seed), n, static_cast<int>(mesh.V.rows()), all.lambda,
-              std::string(name(all.smallest)).c_str(), static_cast<long long>(count), all.next.value_or(0),
-              next_wrong ? "WRONG" : "", all.smallest_note.c_str());
-  std::fflush(stdout);
+  if (count == 0 && !next_wrong && !cascade_wrong && all.smallest == Smallest::proven) return;
+  std::printf("%s, seed %llu, n = %d, %d vertices: lambda %.9g (%s), %lld below, lobpcg %.9g, next %.9g %s; %s\n",
+              family.c_str(), static_cast<unsigned long long>(seed), n, static_cast<int>(mesh.V.rows()), all.lambda,
+              std::string(name(all.smallest)).c_str(), static_cast<long long>(count), cascade.lambda,
+              all.next.value_or(0), next_wrong ? "WRONG" : "", all.smallest_note.c_str());
 }
 
 void print(const std::string& family, const Tally& t) {
@@ -69,37 +80,8 @@ void print(const std::string& family, const Tally& t) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "hunt_smallest RUNS SEED [FAMILY]\n");
-    return 2;
-  }
-  const int runs = std::atoi(argv[1]);
-  const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
-  std::map<std::string, Tally> tallies;
-  int failures = 0;
-  for (int run = 0; run < runs;) {
-    for (const auto& [family, make] : families) {
-      if ((argc > 3 && family != argv[3]) || run >= runs) continue;
-      try {
-        hunt(family, seed * 1'000'003 + static_cast<std::uint64_t>(run), tallies[family]);
-      } catch (const std::exception& e) {
-        std::printf("%s, seed %llu: %s\n", family.c_str(),
-                    static_cast<unsigned long long>(seed * 1'000'003 + static_cast<std::uint64_t>(run)), e.what());
-        ++failures;
-      }
-      ++run;
-    }
-    if (argc > 3 && families.count(argv[3]) == 0) return 2;
-  }
-  std::printf("%-8s %6s %10s %6s %7s %6s %6s %9s %9s\n", "family", "runs", "lobpcg bad", "bad", "proven", "next", "bad",
-              "lobpcg s", "auto s");
-  Tally all;
-  for (const auto& [family, t] : tallies) {
-    print(family, t);
-    all.runs += t.runs, all.cascade_wrong += t.cascade_wrong, all.wrong += t.wrong, all.proven += t.proven;
-    all.next += t.next, all.next_wrong += t.next_wrong;
-    all.cascade_seconds += t.cascade_seconds, all.seconds += t.seconds;
-  }
-  print("all", all);
-  return all.wrong + all.next_wrong + failures > 0 ? 1 : 0;
+  char head[128];
+  std::snprintf(head, sizeof(head), "%-8s %6s %10s %6s %7s %6s %6s %9s %9s", "family", "runs", "lobpcg bad", "bad",
+                "proven", "next", "bad", "lobpcg s", "auto s");
+  return alcap::test::hunt_all<Tally>(argc, argv, head, hunt, print);
 }

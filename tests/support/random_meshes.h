@@ -100,16 +100,14 @@ inline MeshData bumps(Dice& dice) {
   return m;
 }
 
-/// Spheres in a row, joined by thin necks: a surface of revolution, `around` vertices a ring.
-inline MeshData chain(Dice& dice) {
-  const int count = dice.whole(10, 70), around = dice.whole(10, 15), rings = dice.whole(10, 15);
-  const double neck = dice.between(0.05, 0.3), difference = dice.between(0, 0.05);
+/// Spheres of these radii in a row, joined by thin necks: a surface of revolution, `around` vertices a ring.
+inline MeshData chain_of(const std::vector<double>& radii, int around, int rings, double neck) {
   std::vector<std::array<double, 2>> profile;  // height and radius
   double base = 0;
-  for (int q = 0; q < count; ++q) {
-    const double R = 1 + difference * dice.normal();
+  for (std::size_t q = 0; q < radii.size(); ++q) {
+    const double R = radii[q];
     const double from = q > 0 ? std::asin(neck / R) : 0;
-    const double to = pi<double> - (q + 1 < count ? std::asin(neck / R) : 0);
+    const double to = pi<double> - (q + 1 < radii.size() ? std::asin(neck / R) : 0);
     for (int k = q > 0 ? 1 : 0; k < rings; ++k) {
       const double t = from + (to - from) * k / (rings - 1);
       profile.push_back({base + R * (std::cos(from) - std::cos(t)), R * std::sin(t)});
@@ -136,6 +134,15 @@ inline MeshData chain(Dice& dice) {
       m.F.row(face++) << (s == 0 ? b : a), d, c;
     }
   return m;
+}
+
+/// Chains of about equal spheres.
+inline MeshData chain(Dice& dice) {
+  const int count = dice.whole(10, 70), around = dice.whole(10, 15), rings = dice.whole(10, 15);
+  const double neck = dice.between(0.05, 0.3), difference = dice.between(0, 0.05);
+  std::vector<double> radii;
+  for (int q = 0; q < count; ++q) radii.push_back(1 + difference * dice.normal());
+  return chain_of(radii, around, rings, neck);
 }
 
 inline MeshData scan(Dice& dice) { return noisy_scan(level(dice), dice.between(0.05, 0.5), dice.seed()); }
