@@ -411,7 +411,7 @@ test('the field aligns with principal curvature, and vector fields are not offer
   await settled();
   assert.equal(design().guidance.field, 'smoothest');
   assert.equal(await page.isDisabled('[data-value=curvature]'), true);
-  assert.deepEqual(await page.locator('.toolbox button').allTextContents(), ['Turn', 'Source', 'Sink', 'Vortex', 'Saddle', 'Brush', 'Eraser']);
+  assert.deepEqual(await page.locator('.toolbox button').allTextContents(), ['Turn', 'Source', 'Sink', 'Vortex', 'Saddle', 'Direction', 'Brush', 'Eraser']);
 });
 
 test('a second tab follows', async () => {

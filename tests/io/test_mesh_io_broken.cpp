@@ -15,6 +15,7 @@
 #include "src/base/atomic_file.h"
 #include "tests/support/folder.h"
 #include "tests/support/mesh_files.h"
+#include "tests/support/portable.h"
 
 using namespace alcap;
 using mesh_files::encode;
@@ -286,7 +287,7 @@ TEST_CASE("paths that are no mesh files") {
   CHECK_THROWS_AS(std::ignore = read_mesh_from_memory("v 0 0 0", "fbx"), OptionError);
 }
 
-TEST_CASE("a pipe is read like a file") {
+TEST_CASE("a pipe is read like a file" * doctest::skip(test::portable)) {
   test::Folder folder;
   const fs::path pipe = folder.path / "pipe";
   REQUIRE(::mkfifo(pipe.c_str(), 0600) == 0);

@@ -11,6 +11,7 @@
 
 #include "alcap/operators.h"
 #include "alcap/streamlines.h"
+#include "alcap/topology.h"
 #include "src/base/numbers.h"
 
 namespace alcap::app {
@@ -99,6 +100,23 @@ void add_mesh(ViewPack& pack, const Surface& surface) {
   pack.add("positions", relative(V, center));
   const std::vector<std::uint32_t> faces(surface.F().data(), surface.F().data() + surface.F().size());
   pack.add("faces", faces);
+}
+
+void add_loops(ViewPack& pack, const Surface& surface) {
+  const Positions<double>& V = surface.V();
+  const Eigen::RowVector3d center = center_of(V);
+  std::vector<float> points;
+  std::vector<std::uint32_t> offsets{0};
+  for (const Loop& loop : homology_generators(surface)) {
+    for (std::size_t k = 0; k <= loop.halfedges.size(); ++k) {
+      const Index h = loop.halfedges[k % loop.halfedges.size()];
+      const Eigen::RowVector3d middle = (V.row(surface.mesh().tail(h)) + V.row(surface.mesh().tip(h))) / 2 - center;
+      for (Eigen::Index c = 0; c < 3; ++c) points.push_back(static_cast<float>(middle[c]));
+    }
+    offsets.push_back(static_cast<std::uint32_t>(points.size() / 3));
+  }
+  pack.add("loops", points);
+  pack.add("loop_offsets", offsets);
 }
 
 void add_field(ViewPack& pack, const FieldOutput& source) {

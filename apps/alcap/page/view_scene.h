@@ -24,6 +24,8 @@ namespace alcap::app {
 using Figures = std::vector<std::pair<std::string, std::string>>;
 
 void add_mesh(ViewPack& pack, const Surface& surface);
+/// Loops around the handles of the surface, homology_generators(), through the middles of the edges they cross.
+void add_loops(ViewPack& pack, const Surface& surface);
 void add_field(ViewPack& pack, const FieldOutput& source);
 /// Positions, indices and straight branches. `sizes` of the arms are left to the page.
 void add_singularities(ViewPack& pack, const FieldOutput& source);

@@ -70,6 +70,8 @@ std::string state_bytes(const StudioState& state, std::uint64_t known) {
                {"mode", state.result->mode},
                {"eigenvalues", state.result->eigenvalues},
                {"memory", memory_bytes()},
+               {"holonomy", state.result->surface.connection().generator_holonomy},
+               {"loop_index", state.result->surface.connection().loop_index},
                {"offered", scalar_list(state.result->field.n)}};
   if (state.result->id != known) {
     add_field(pack, state.result->output());
@@ -127,6 +129,7 @@ class Handlers {
                    {"boundary", !session_.surface().topology().loops.empty()},
                    {"file", session_.file().string()}};
       add_mesh(pack, session_.surface());
+      add_loops(pack, session_.surface());
       response.set_content(pack.bytes(), binary);
     });
     server.Get("/api/state",

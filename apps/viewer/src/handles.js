@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 //
-// handles.js: the controls of the design as buttons over the picture: a ring where a singularity was asked for, which
-// can be dragged, and for the chosen one a knob on a line that turns it; both by the mouse or by the arrow keys.
+// handles.js: the controls of the design as buttons over the picture: a ring where a singularity was asked for, a square
+// where a direction is held, which can be dragged, and for the chosen one a knob on a line that turns it; both by the
+// mouse or by the arrow keys.
 import { Raycaster, Vector2, Vector3 } from 'three';
 
 import { h } from './dom.js';
@@ -33,8 +34,9 @@ export class Handles {
     }
     singularities.forEach((s, k) => {
       const { ring } = this.items[k];
-      ring.className = `ring ${s.kind === 'saddle' || s.kind === 'trisector' ? 'negative' : 'positive'}${k === selected ? ' chosen' : ''}`;
-      ring.setAttribute('aria-label', `${s.kind} in face ${s.face}`);
+      const negative = s.kind === 'saddle' || s.kind === 'trisector';
+      ring.className = `ring ${s.kind === 'direction' ? 'square' : negative ? 'negative' : 'positive'}${k === selected ? ' chosen' : ''}`;
+      ring.setAttribute('aria-label', s.kind === 'direction' ? `direction at vertex ${s.vertex}` : `${s.kind} in face ${s.face}`);
       ring.setAttribute('aria-pressed', String(k === selected));
     });
     this.knob ??= this.makeKnob();
@@ -53,8 +55,13 @@ export class Handles {
       event.preventDefault();
       event.stopPropagation();
       const box = this.view.stage.canvas.getBoundingClientRect();
-      const [x, y] = this.project(this.center(this.singularities[k]));
-      move({ clientX: box.left + x + stride * step[0], clientY: box.top + y + stride * step[1] }, 'move-keys');
+      const s = this.singularities[k], [x, y] = this.project(this.center(s));
+      // Directions sit at vertices: as far as it is to another one.
+      for (let far = 1; far <= (s.kind === 'direction' ? 12 : 1); ++far) {
+        const place = { clientX: box.left + x + far * stride * step[0], clientY: box.top + y + far * stride * step[1] };
+        if (s.kind === 'direction' && this.vertexUnder(place) === s.vertex) continue;
+        return move(place, 'move-keys');
+      }
     });
     ring.addEventListener('pointerdown', (down) => {
       if (!down.isPrimary || down.button !== 0) return;
@@ -73,6 +80,12 @@ export class Handles {
       ring.addEventListener('pointerup', up, { once: true });
       ring.addEventListener('pointercancel', up, { once: true });
     });
+  }
+
+  /** The corner nearest to the pointer of the face under it; -1 for none. */
+  vertexUnder(place) {
+    const hit = this.view.pick(place);
+    return hit ? this.view.surface.faces[3 * hit.face + hit.barycentric.indexOf(Math.max(...hit.barycentric))] : -1;
   }
 
   makeKnob() {

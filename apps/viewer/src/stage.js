@@ -25,6 +25,7 @@ export class Stage {
     this.reach = 0;  // from the middle to the farthest point, in diagonals
     this.cost = 0;
     this.moving = false;
+    this.hasty = false;  // large surfaces are drawn coarsely while they are being opened
     new ResizeObserver(() => this.resize()).observe(canvas);
     const dark = matchMedia('(prefers-color-scheme: dark)');
     dark.addEventListener('change', () => this.theme());
@@ -139,13 +140,13 @@ export class Stage {
     this.pending = requestAnimationFrame(() => {
       this.pending = 0;
       const moving = this.controls.update() || this.moving;  // asks for the next frame while it glides
-      const detail = moving && this.cost > 40 ? Math.max(0.25, 30 / this.cost) : 1;
+      const detail = this.hasty ? 0.25 : moving && this.cost > 40 ? Math.max(0.25, 30 / this.cost) : 1;
       for (const l of this.layers) l.detail?.(detail);
       this.before?.();
       const start = performance.now();
       this.renderer.render(this.scene, this.camera);
       if (detail === 1) this.cost = performance.now() - start;
-      else if (!this.moving) this.draw();  // in full, when nothing moves any more
+      else if (!this.moving && !this.hasty) this.draw();  // in full, when nothing moves any more
       this.drawn = true;
     });
   }

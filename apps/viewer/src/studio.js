@@ -4,6 +4,7 @@
 import { address, ask } from './api.js';
 import { Card, inside } from './card.js';
 import { h, segmented } from './dom.js';
+import { Fixed, mirrored, twinOf } from './fixed.js';
 import { Handles } from './handles.js';
 import { listen, onClick, viewKeys } from './keys.js';
 import { Lines } from './lines.js';
@@ -18,10 +19,11 @@ import { makePictures } from './view.js';
 
 const many = 200000;  // faces: curves are drawn far apart first
 
-const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
+const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
 
 export async function startStudio(stage, ui, boot) {
   const mesh = await ask('/api/mesh');
+  stage.hasty = mesh.arrays.faces.length / 3 > many;
   const app = new Studio(stage, ui, mesh, boot);
   // Large surfaces are here before their first field: to be looked at, not to be edited.
   ui.inert = true;
@@ -29,6 +31,8 @@ export async function startStudio(stage, ui, boot) {
   document.getElementById('veil').hidden = true;
   await app.store.load();
   ui.inert = false;
+  stage.hasty = false;
+  stage.draw();
   return app;
 }
 
@@ -37,19 +41,30 @@ class Studio {
     this.stage = stage;
     this.selected = -1;  // of the singularities
     this.stroked = -1;   // of the strokes
+    this.held = -1;      // of the directions
     this.tool = 'turn';
     this.view = new View(stage, mesh);
     this.title = mesh.meta.title;
     this.mirror = new Mirror(this.view.surface, mesh.meta.diagonal);
+    this.fixed = new Fixed(this.view.surface);
+    // Singularities first, then directions.
+    const which = (k, singularity, fixed) => {
+      const number = (this.design.singularities || []).length;
+      return k < number ? singularity(k) : fixed(k - number);
+    };
     this.handles = new Handles(this.view, {
-      select: (k) => this.select(k),
-      turn: (k, degrees, gesture) => this.turn(k, degrees, gesture),
-      move: (k, hit, gesture) => this.move(k, hit, gesture),
+      select: (at) => which(at, (k) => this.select(k), (k) => this.selectFixed(k)),
+      turn: (at, degrees, gesture) => which(at, (k) => this.turn(k, degrees, gesture), (k) => this.turnFixed(k, degrees, gesture)),
+      move: (at, hit, gesture) => which(at, (k) => this.move(k, hit, gesture), (k) => this.moveFixed(k, hit, gesture)),
       stop: () => this.store.rest(),
     });
     this.strokes = new Strokes(this);
     this.creases = new Lines({ variable: '--accent', width: 0.003 * mesh.meta.diagonal, widths: [1.6, 3.5], lift: 0.0026, order: 3 });
     stage.add(this.creases);
+    this.loops = new Lines({ variable: '--accent', width: 0.003 * mesh.meta.diagonal, widths: [1.6, 3.5], lift: 0.0026, order: 3 });
+    stage.add(this.loops);
+    this.loops.curves(mesh.arrays.loops || new Float32Array(0), mesh.arrays.loop_offsets || [0]);
+    this.loops.show(false);
     stage.before = () => {
       this.handles.place();
       this.strokes.place();
@@ -85,7 +100,7 @@ class Studio {
     onClick(stage.canvas, (event) => this.click(event));
     const tool = (name) => () => this.choose(name);
     listen(stage, {
-      v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), e: tool('erase'), k: () => this.trivial() && this.choose('cone'),
+      v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone'),
       a: () => this.choose(kindsOf(this.design.n)[0][0]), z: () => this.choose(kindsOf(this.design.n).at(-1)[0]),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
       Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => this.pictures.choose(), '?': () => this.help.showModal(),
@@ -94,7 +109,8 @@ class Studio {
 
   get design() { return this.store.design; }
 
-  trivial() { return this.design.connection?.kind === 'trivial'; }
+  /** Whether the connection has cones. */
+  trivial() { return ['trivial', 'metric'].includes(this.design.connection?.kind); }
 
   eigen() { return this.design.method === 'eigen'; }
 
@@ -122,19 +138,26 @@ class Studio {
 
   select(k) {
     this.selected = k;
-    this.stroked = -1;
+    this.stroked = this.held = -1;
     this.show(this.design);
   }
 
   selectStroke(k) {
-    this.selected = -1;
+    this.selected = this.held = -1;
     this.stroked = k;
+    this.show(this.design);
+  }
+
+  selectFixed(k) {
+    this.selected = this.stroked = -1;
+    this.held = k;
     this.show(this.design);
   }
 
   /** Adds a singularity, and its image where designs are mirrored. Nothing is held exactly by the eigen method. */
   add(s) {
     if (this.eigen()) delete s.pin;
+    this.stroked = this.held = -1;
     this.selected = (this.design.singularities || []).length;
     return this.change((d) => {
       const list = (d.singularities ??= []), image = this.mirror.axis >= 0 ? this.mirror.singularity(s, d.n) : null;
@@ -161,6 +184,61 @@ class Studio {
     }, gesture);
   }
 
+  /** Holds a direction, at first the one that the field has there. */
+  addFixed(hit) {
+    const vertex = this.fixed.vertexAt(hit), list = this.design.fixed || [], there = list.findIndex((f) => f.vertex === vertex);
+    if (there >= 0) return this.selectFixed(there);
+    this.selected = this.stroked = -1;
+    this.held = list.length;
+    const branch = Array.from(this.view.arrays.branch.subarray(3 * vertex, 3 * vertex + 3));
+    const one = { vertex, direction: this.fixed.inPlane(vertex, Math.hypot(...branch) ? branch : [1, 0, 0]) };
+    return this.change((d) => {
+      (d.fixed ??= []).push(one);
+      const image = this.mirror.axis >= 0 && mirrored(this.mirror, this.fixed, one);
+      if (image && !d.fixed.some((f) => f.vertex === image.vertex)) d.fixed.push(image);
+    });
+  }
+
+  /** Edits direction k, and its twin as the image of it. */
+  editFixed(k, act, gesture) {
+    return this.change((d) => {
+      const twin = twinOf(this.mirror, this.fixed, d.fixed, k);
+      act(d.fixed[k]);
+      const image = twin >= 0 && mirrored(this.mirror, this.fixed, d.fixed[k]);
+      if (image && !d.fixed.some((f, j) => j !== twin && f.vertex === image.vertex)) d.fixed[twin] = image;
+    }, gesture);
+  }
+
+  turnFixed(k, degrees, gesture) {
+    this.editFixed(k, (f) => {
+      f.direction = this.fixed.turned(f.vertex, degrees);
+      delete f.angle;
+      delete f.relative_to;
+    }, gesture);
+  }
+
+  /** To another vertex; the direction is the same in space, as far as it can be. */
+  moveFixed(k, hit, gesture) {
+    const vertex = this.fixed.vertexAt(hit);
+    if (this.design.fixed.some((f) => f.vertex === vertex)) return;
+    this.held = k;
+    const { face, angle } = this.fixed.item(this.design.fixed[k], this.view.arrays.branch);
+    this.editFixed(k, (f) => {
+      f.direction = this.fixed.inPlane(vertex, direction(this.view.surface, face, angle));
+      f.vertex = vertex;
+      delete f.angle;
+      delete f.relative_to;
+    }, gesture);
+  }
+
+  removeFixed(k) {
+    this.selected = this.stroked = this.held = -1;
+    this.change((d) => {
+      const gone = [k, twinOf(this.mirror, this.fixed, d.fixed, k)];
+      d.fixed = d.fixed.filter((_, j) => !gone.includes(j));
+    });
+  }
+
   editStroke(k, act, gesture) {
     return this.change((d) => {
       const twin = this.mirror.twinStroke(d, k);
@@ -170,7 +248,7 @@ class Studio {
   }
 
   remove(k) {
-    this.selected = this.stroked = -1;
+    this.selected = this.stroked = this.held = -1;
     this.change((d) => {
       const gone = [k, this.mirror.twin(d, k)];
       d.singularities = d.singularities.filter((_, j) => !gone.includes(j));
@@ -178,7 +256,7 @@ class Studio {
   }
 
   removeStroke(k) {
-    this.selected = this.stroked = -1;
+    this.selected = this.stroked = this.held = -1;
     this.change((d) => {
       const gone = [k, this.mirror.twinStroke(d, k)];
       d.strokes = d.strokes.filter((_, j) => !gone.includes(j));
@@ -188,6 +266,7 @@ class Studio {
   removeChosen() {
     if (this.selected >= 0) this.remove(this.selected);
     else if (this.stroked >= 0) this.removeStroke(this.stroked);
+    else if (this.held >= 0) this.removeFixed(this.held);
   }
 
   reshape(points, gesture) {
@@ -202,6 +281,7 @@ class Studio {
   move(k, hit, gesture) {
     if (this.design.singularities.some((s, j) => j !== k && s.face === hit.face)) return;
     this.selected = k;
+    this.held = -1;
     this.edit(k, (s, d) => {
       const swirls = d.n === 1 && s.kind !== 'saddle';
       if (!swirls && !s.relative_to && s.face !== hit.face) {
@@ -227,6 +307,10 @@ class Studio {
       return;
     }
     if (this.tool === 'cone') return this.addCone(hit);
+    if (this.tool === 'direction') {
+      this.addFixed(hit);
+      return this.choose('turn');
+    }
     const faces = (this.design.singularities || []).map((s) => s.face);
     if (faces.includes(hit.face)) return this.select(faces.indexOf(hit.face));
     this.add({ face: hit.face, kind: this.tool, angle: 0, pin: inside(hit.barycentric) });
@@ -234,8 +318,7 @@ class Studio {
   }
 
   addCone(hit) {
-    const corner = hit.barycentric.indexOf(Math.max(...hit.barycentric));
-    const vertex = this.view.surface.faces[3 * hit.face + corner];
+    const vertex = this.fixed.vertexAt(hit);
     this.change((d) => {
       const cones = (d.connection.cones ??= []);
       const old = cones.find((c) => c.vertex === vertex);
@@ -249,7 +332,7 @@ class Studio {
     input.value = '';
     if (!file) return;
     try {
-      this.selected = -1;
+      this.selected = this.stroked = this.held = -1;
       const design = JSON.parse(await file.text());
       delete design.$schema;
       this.store.send(design);
@@ -262,7 +345,9 @@ class Studio {
   show(design) {
     if (this.selected >= (design.singularities || []).length) this.selected = -1;
     if (this.stroked >= (design.strokes || []).length) this.stroked = -1;
-    this.handles.set(design.singularities || [], this.selected);
+    if (this.held >= (design.fixed || []).length) this.held = -1;
+    const singularities = design.singularities || [], directions = (design.fixed || []).map((f) => this.fixed.item(f, this.view.arrays.branch));
+    this.handles.set([...singularities, ...directions], this.held >= 0 ? singularities.length + this.held : this.selected);
     this.strokes.show(design.strokes);
     this.sections.controls.refresh(design, this.controls);
     this.sections.field.refresh(design, this.controls);
@@ -275,7 +360,7 @@ class Studio {
     if (this.toolsFor === `${n}${this.trivial()}`) return;
     this.toolsFor = `${n}${this.trivial()}`;
     const kinds = kindsOf(n).map(([kind, sign]) => [kind, h('span', {}, h('i', { class: sign > 0 ? 'mark positive' : 'mark negative' }), titleOf(kind)), `Click where the ${kind} shall be`]);
-    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, choose what is there (V)'], ...kinds, ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Rub out strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone shall be (K)']] : [])], this.tool, (t) => this.choose(t));
+    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, choose what is there (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field shall be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Rub out strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone shall be (K)']] : [])], this.tool, (t) => this.choose(t));
     this.tools.replaceChildren(bar);
     this.tools.set = bar.set;
   }

@@ -24,8 +24,8 @@ export function coneIndex(index) {
 
 export function fieldSection(app) {
   const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
-  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['trivial', 'Cones', 'Flat but for cones that you place']], 'global',
-    (v) => app.change((d) => { d.connection = { ...d.connection, kind: v, ...(v === 'trivial' ? {} : { cones: undefined, balance: undefined }) }; }));
+  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['trivial', 'Cones', 'Flat but for cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size']], 'global',
+    (v) => app.change((d) => setConnection(d, v)));
   const guidance = segmented('Elsewhere', [['smoothest', 'Smoothest', 'Edits are local: elsewhere the smoothest field'], ['curvature', 'Curvature', 'Elsewhere along the directions of principal curvature'], ['none', 'Free', 'Edits decide everywhere']], 'smoothest', (v) => app.change((d) => {
     d.guidance = { field: v, ...(v === 'none' ? {} : { weight: d.guidance?.weight || 1 }) };
   }));
@@ -34,10 +34,7 @@ export function fieldSection(app) {
   const method = segmented('Method', [['variational', 'Exact', 'Controls are held; elsewhere near a field that is given'], ['eigen', 'Eigen', 'The smoothest field that follows strokes and has the singularities']], 'variational', (v) => app.change((d) => setMethod(d, v)));
   const energy = slider('Energy', { least: -1, most: 1, value: 0, even: true }, (v, gesture) => app.change((d) => { d.s = Number(v.toFixed(2)); }, gesture), () => app.store.rest());
   energy.title = 'Which derivative counts: −1 antiholomorphic, 0 Dirichlet, 1 holomorphic';
-  const boundary = toggle('Along the boundary', false, (v) => app.change((d) => {
-    if (v) d.boundary = { align: 'tangent' };
-    else delete d.boundary;
-  }));
+  const boundary = boundaryControl(app);
   const features = featureControls(app);
   const mirror = mirrorControl(app);
   const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, h('h2', { class: 'sub' }, 'Method'), method, h('h2', { class: 'sub' }, 'Away from edits'), guidance, hold, energy, boundary, features, mirror);
@@ -50,11 +47,31 @@ export function fieldSection(app) {
     hold.hidden = !design.guidance?.field || design.guidance.field === 'none';
     hold.set(design.guidance?.weight ?? 1);
     energy.set(design.s || 0);
-    boundary.hidden = !app.view.meta.boundary;
-    boundary.set(Boolean(design.boundary));
+    boundary.refresh(design, reports);
     features.refresh(design, reports);
     // Principal directions are lines; the eigen method stays close to nothing.
     for (const b of guidance.children) b.disabled = (eigen && b.dataset.value !== 'none') || (b.dataset.value === 'curvature' && design.n % 2 === 1);
+  };
+  return element;
+}
+
+/** A stroke along every boundary loop, or across it. */
+function boundaryControl(app) {
+  const choices = segmented('Boundary', [['none', 'Free', 'The boundary asks for nothing'], ['tangent', 'Along', 'Along every loop of the boundary'], ['normal', 'Across', 'Across every loop of the boundary']], 'none', (v) => app.change((d) => {
+    if (v === 'none') delete d.boundary;
+    else d.boundary = { ...d.boundary, align: v };
+  }));
+  const weight = slider('Weight', { least: 0.1, most: 1000, value: 1 }, (v, gesture) => app.change((d) => { d.boundary.weight = v; }, gesture), () => app.store.rest());
+  const said = h('p', { class: 'quiet', role: 'status' });
+  const element = h('div', { class: 'boundary' }, h('h2', { class: 'sub' }, 'Boundary'), choices, weight, said);
+  element.refresh = (design, reports) => {
+    element.hidden = !app.view.meta.boundary;
+    weight.hidden = said.hidden = !design.boundary;
+    choices.set(design.boundary?.align || 'none');
+    if (!design.boundary) return;
+    weight.set(design.boundary.weight ?? 1);
+    const report = (reports || []).find((r) => r.path === '/boundary');
+    said.textContent = report ? `Followed to ${short(report.error_degrees)}°.` : '';
   };
   return element;
 }
@@ -112,13 +129,25 @@ function setMethod(design, method) {
   for (const s of design.strokes || []) delete s.radius;
 }
 
+/** Cones stay where both kinds have them; those of a trivial connection are multiples of 1/n. */
+function setConnection(design, kind) {
+  const old = design.connection || {}, { cones, holonomy, loops, balance, target, ...rest } = old;
+  const flat = kind === 'trivial' || kind === 'metric';
+  design.connection = { ...rest, kind, ...(flat && cones ? { cones } : {}) };
+  if (kind === 'metric' && holonomy) design.connection.holonomy = holonomy;
+  if (kind === 'metric' && loops) design.connection.loops = loops;
+  if (kind === 'trivial') for (const c of cones || []) c.index = Math.round(coneIndex(c.index) * design.n) / design.n;
+}
+
 /** Kinds are those of the new symmetry: by their sign. */
 function setSymmetry(design, n) {
   design.n = n;
   if (n % 2 === 1) delete design.features;
   if (n % 2 === 1 && /curvature/.test(design.guidance?.field)) design.guidance.field = 'smoothest';
   const negative = (kind) => kind === 'saddle' || kind === 'trisector';
-  for (const s of design.singularities || []) s.kind = kindsOf(n).find(([, index]) => (index < 0) === negative(s.kind))[0];
+  for (const s of design.singularities || []) {
+    s.kind = s.count > 1 ? (negative(s.kind) ? 'saddle' : 'source') : kindsOf(n).find(([, index]) => (index < 0) === negative(s.kind))[0];
+  }
   for (const c of design.connection?.cones || []) c.index = Math.round(coneIndex(c.index) * n) / n;
 }
 
@@ -131,9 +160,14 @@ export function controlsSection(app) {
     const report = new Map((reports || []).map((r) => [r.path, r]));
     const rows = [
       ...(design.singularities || []).map((s, k) => ({
-        path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: s.kind,
-        label: `${titles[s.kind]} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
-        numbers: () => [slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.edit(k, (one) => { one.strength = v; }, gesture), () => app.store.rest())],
+        path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: design.n === 1 ? s.kind : `${design.n}${kindsOf(design.n)[0][0] === s.kind || s.kind === 'source'}`,
+        label: `${titles[s.kind]}${s.count > 1 ? ` × ${s.count}` : ''} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
+        numbers: () => [...countSlider(app, k, s, design.n), slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.edit(k, (one) => { one.strength = v; }, gesture), () => app.store.rest())],
+      })),
+      ...(design.fixed || []).map((f, k) => ({
+        path: `/fixed/${k}`, icon: () => h('i', { class: 'mark square' }), chosen: k === app.held, kind: `direction${design.method}`,
+        label: f.name || `Direction · vertex ${f.vertex}`, choose: () => app.selectFixed(k), remove: () => app.removeFixed(k),
+        numbers: () => (app.eigen() ? [] : [lengthToggle(app, k, f)]),
       })),
       ...(design.strokes || []).map((s, k) => ({
         path: `/strokes/${k}`, icon: () => h('i', { class: 'mark stroke' }), chosen: k === app.stroked, kind: 'stroke',
@@ -158,6 +192,30 @@ export function controlsSection(app) {
   return element;
 }
 
+/** Zeros side by side that are one from afar; those of the names wedge and trisector are single. */
+function countSlider(app, k, s, n) {
+  const negative = s.kind === 'saddle' || s.kind === 'trisector';
+  if (!negative && n === 1 && s.kind !== 'source') return [];
+  const change = (v, gesture) => app.edit(k, (one, d) => {
+    const count = Math.round(v), names = d.n === 2 ? ['wedge', 'trisector'] : ['source', 'saddle'];
+    if (count > 1) one.count = count;
+    else delete one.count;
+    one.kind = count > 1 ? (negative ? 'saddle' : 'source') : names[Number(negative)];
+  }, gesture);
+  const row = slider('Zeros', { least: 1, most: 8, value: s.count ?? 1, even: true, steps: 7 }, change, () => app.store.rest());
+  row.title = 'So many side by side, which are one of that index from afar';
+  return [row];
+}
+
+function lengthToggle(app, k, f) {
+  const row = toggle('Any length', f.length === 'free', (v) => app.editFixed(k, (one) => {
+    if (v) one.length = 'free';
+    else delete one.length;
+  }));
+  row.title = 'Its direction alone is held, not how long the field is there';
+  return row;
+}
+
 function controlRow({ icon, chosen, numbers, choose, remove }) {
   const text = h('span', {}), state = h('span', {});
   const close = h('button', { type: 'button', class: 'close', onclick: remove }, '×');
@@ -174,12 +232,12 @@ function controlRow({ icon, chosen, numbers, choose, remove }) {
 }
 
 /** A number between two ends, on a scale of powers unless it is even; `rest` when it is let go. */
-function slider(label, { least, most, value, even, unit = '' }, change, rest) {
+function slider(label, { least, most, value, even, unit = '', steps = unit ? most - least : 200 }, change, rest) {
   const to = (v) => (even ? v : Math.log10(v)), from = (x) => (even ? Number(x) : Number((10 ** x).toPrecision(3)));
   const shown = h('output', {});
   const name = () => `slider-${Date.now()}`;
   let gesture = name(), held = false;
-  const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / (unit ? most - least : 200), 'aria-label': label, oninput: () => {
+  const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / steps, 'aria-label': label, oninput: () => {
     const v = from(input.value);
     held = true;
     shown.textContent = plain(v) + unit;
@@ -226,32 +284,70 @@ export function memorySection(app) {
   return element;
 }
 
-/** Cones of a trivial connection, and whether they sum to what topology demands. */
+const minus = (number) => String(number).replace('-', '−');
+
+/** What is missing to the sum that topology demands, in turns; 0 where nothing is. */
+function missingTurns(design, euler, closed) {
+  const sum = (design.connection?.cones || []).reduce((s, c) => s + coneIndex(c.index), 0);
+  const lacks = euler - sum;
+  return !closed || design.connection?.balance || Math.abs(lacks) < 1e-6 ? 0 : lacks;
+}
+
+/** Cones of a trivial or metric connection, the turns around its loops, and whether cones sum to what topology demands. */
 export function conesSection(app) {
   const body = h('div', { class: 'cones' });
   const element = section('Cones', body);
   element.refresh = (design, euler, closed) => {
-    element.hidden = design.connection?.kind !== 'trivial';
+    const kind = design.connection?.kind, metric = kind === 'metric';
+    element.hidden = (kind !== 'trivial' && !metric) || Boolean(design.connection?.target);
+    app.loops?.show(!element.hidden);
     const cones = design.connection?.cones || [], n = design.n;
-    const sum = cones.reduce((s, c) => s + Math.round(coneIndex(c.index) * n), 0);
-    const balance = Boolean(design.connection?.balance);
-    const fits = !closed || sum === n * euler || balance;
-    element.missing = element.hidden || fits ? '' : `The cones sum to ${fraction(sum, n) || '0'} so far, of ${String(euler).replace('-', '−')}.`;
-    const step = (k, by) => app.change((d) => {
-      const c = d.connection.cones[k];
-      const index = Math.round(coneIndex(c.index) * n) + by;
-      if (index) c.index = index / n;
+    const turns = (x) => (metric ? minus(plain(x)) : fraction(Math.round(x * n), n) || '0');
+    const sum = cones.reduce((s, c) => s + coneIndex(c.index), 0), lacks = missingTurns(design, euler, closed);
+    element.missing = element.hidden || !lacks ? '' : `The cones sum to ${turns(sum)} so far, of ${minus(euler)}.`;
+    const focused = body.contains(document.activeElement) && document.activeElement.getAttribute('aria-label');
+    if (focused && document.activeElement.dataset.typing) return;  // a number that is being typed stays as it is
+    const set = (k, index) => app.change((d) => {
+      if (index) d.connection.cones[k].index = index;
       else d.connection.cones.splice(k, 1);
     });
+    const step = (k, by) => set(k, (Math.round(coneIndex(cones[k].index) * n) + by) / n);
+    const stepper = (c, k) => h('b', { class: 'stepper' }, h('button', { type: 'button', 'aria-label': `Less at vertex ${c.vertex}`, onclick: () => step(k, -1) }, '−'), turns(coneIndex(c.index)), h('button', { type: 'button', 'aria-label': `More at vertex ${c.vertex}`, onclick: () => step(k, 1) }, '+'));
     body.replaceChildren(
       ...cones.map((c, k) => h('div', { class: 'row' }, h('span', {}, mark(coneIndex(c.index)), ` vertex ${c.vertex}`),
-        h('b', { class: 'stepper' }, h('button', { type: 'button', 'aria-label': 'Less', onclick: () => step(k, -1) }, '−'), fraction(Math.round(coneIndex(c.index) * n), n), h('button', { type: 'button', 'aria-label': 'More', onclick: () => step(k, 1) }, '+')))),
-      h('div', { class: `row sum ${fits ? '' : 'wrong'}` }, h('span', {}, closed ? `Sum, of ${String(euler).replace('-', '−')} needed` : 'Sum'), h('b', {}, fraction(sum, n) || '0', fits ? ' ✓' : '')),
-      ...(fits ? [] : [h('p', { class: 'quiet' }, `Place ${fraction(n * euler - sum, n)} more: choose the cone tool and click on the surface.`)]),
-      toggleBalance(balance, (v) => app.change((d) => { if (v) d.connection.balance = true; else delete d.connection.balance; })),
+        metric ? turnInput(`Cone at vertex ${c.vertex}`, coneIndex(c.index), 0.05, (v) => set(k, v)) : stepper(c, k))),
+      h('div', { class: `row sum ${lacks ? 'wrong' : ''}` }, h('span', {}, closed ? `Sum, of ${minus(euler)} needed` : 'Sum'), h('b', {}, turns(sum), lacks ? '' : ' ✓')),
+      ...(lacks ? [h('p', { class: 'quiet' }, `Place ${metric ? `${lacks > 0 ? '+' : ''}${turns(lacks)}` : turns(lacks)} more: choose the cone tool and click on the surface.`)] : []),
+      ...(metric ? [] : [toggleBalance(Boolean(design.connection?.balance), (v) => app.change((d) => { if (v) d.connection.balance = true; else delete d.connection.balance; }))]),
+      ...loopRows(app, design, metric ? 0.05 : 1 / n),
     );
+    if (focused) body.querySelector(`[aria-label="${focused}"]`)?.focus();
   };
   return element;
+}
+
+/** A number of turns that is set by typing. */
+function turnInput(label, value, step, change) {
+  return h('input', { type: 'number', class: 'turns', step: String(step), value: String(Number(value.toPrecision(6))), 'aria-label': label, oninput: (event) => { event.target.dataset.typing = 'yes'; }, onchange: (event) => {
+    delete event.target.dataset.typing;
+    const v = Number(event.target.value);
+    if (Number.isFinite(v)) change(v);
+  } });
+}
+
+/** How far the field has turned after each loop around a handle, and its index at each boundary: those of the connection that was solved, until some are set. */
+function loopRows(app, design, step) {
+  const { holonomy = [], loop_index: loops = [] } = app.view.meta;
+  const rows = (key, values, name) => values.map((value, k) => h('div', { class: 'row' }, h('span', {}, `${name} ${k + 1}`),
+    turnInput(`${name} ${k + 1}`, coneIndex(design.connection[key]?.[k] ?? value), step, (v) => app.change((d) => {
+      const all = (d.connection[key] || values).map((x) => coneIndex(x));
+      all[k] = v;
+      d.connection[key] = all;
+    }))));
+  if (!holonomy.length && !loops.length) return [];
+  const own = design.connection.holonomy || design.connection.loops;
+  return [h('h2', { class: 'sub' }, 'Turns around loops'), ...rows('holonomy', holonomy, 'Loop'), ...rows('loops', loops, 'Boundary'),
+    own ? h('button', { type: 'button', class: 'plain', title: 'Those that change the surface\'s own connection least', onclick: () => app.change((d) => { delete d.connection.holonomy; delete d.connection.loops; }) }, 'Choose them for me') : h('p', { class: 'quiet' }, 'Chosen so that they change the connection of the surface least. In turns.')];
 }
 
 /** Whether cones are added where the curvature is, until the sum is right. */
