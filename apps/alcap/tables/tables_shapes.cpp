@@ -242,10 +242,13 @@ Eigen::ArrayXd one_form_energy(const Mesh& mesh, const Geometry& geometry, const
         integrals(e, k) = {gradients.row(k).dot(along), -gradients.row(k).dot(turned)};
     }
   });
-  const Eigen::MatrixXd omega = (integrals * coefficients).real();
-  Eigen::MatrixXd flux = Eigen::MatrixXd::Zero(mesh.vertices(), coefficients.cols());
+  return div_curl_energy(mesh, geometry, (integrals * coefficients).real());
+}
+
+Eigen::ArrayXd div_curl_energy(const Mesh& mesh, const Geometry& geometry, const Eigen::MatrixXd& omega) {
+  Eigen::MatrixXd flux = Eigen::MatrixXd::Zero(mesh.vertices(), omega.cols());
   Eigen::VectorXd share = Eigen::VectorXd::Zero(mesh.vertices());
-  Eigen::ArrayXd energy = Eigen::ArrayXd::Zero(coefficients.cols());
+  Eigen::ArrayXd energy = Eigen::ArrayXd::Zero(omega.cols());
   for (Index e = 0; e < mesh.edges(); ++e) {
     const Index h = mesh.halfedge(e), g = mesh.twin(h);
     const double w = (geometry.cot(Mesh::prev(h)) + geometry.cot(Mesh::prev(g))) / 2;
@@ -253,7 +256,7 @@ Eigen::ArrayXd one_form_energy(const Mesh& mesh, const Geometry& geometry, const
     flux.row(mesh.tip(h)) -= w * omega.row(e);
   }
   for (Index t = 0; t < mesh.faces(); ++t) {
-    Eigen::RowVectorXd around = Eigen::RowVectorXd::Zero(coefficients.cols());
+    Eigen::RowVectorXd around = Eigen::RowVectorXd::Zero(omega.cols());
     for (Index h = 3 * t; h < 3 * t + 3; ++h) {
       around += (mesh.canonical(h) ? 1.0 : -1.0) * omega.row(mesh.edge(h));
       share[mesh.tail(h)] += geometry.area(t) / 3;
@@ -264,28 +267,32 @@ Eigen::ArrayXd one_form_energy(const Mesh& mesh, const Geometry& geometry, const
   return energy;
 }
 
+ComplexVectorX<double> carried_directions(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                          int n) {
+  ComplexVectorX<double> directions = ComplexVectorX<double>::Zero(mesh.faces());
+  std::deque<Index> open{0};
+  directions[0] = 1;
+  while (!open.empty()) {
+    const Index t = open.front();
+    open.pop_front();
+    for (Index h = 3 * t; h < 3 * t + 3; ++h) {
+      const Index g = mesh.twin(h);
+      if (g == none || directions[Mesh::face(g)] != Complex<double>(0)) continue;
+      const double turn = pi<double> + connection.edge_to_face(geometry, h) - connection.edge_to_face(geometry, g);
+      directions[Mesh::face(g)] = directions[t] * std::polar(1.0, n * turn);
+      open.push_back(Mesh::face(g));
+    }
+  }
+  return directions;
+}
+
 double face_field_difference(const MeshData& data) {
   constexpr int n = 4;
   const ConnectedSurface s =
       connect(Surface(data.V, data.F), {.kind = ConnectionKind::trivial, .balance_cones = true, .n = n});
   const Mesh& mesh = s.mesh();
   const Field ours = at_faces(s, smoothest_field(s, {.n = n}).field);
-  // One direction, carried across edges by the connection.
-  ComplexVectorX<double> theirs = ComplexVectorX<double>::Zero(mesh.faces());
-  std::deque<Index> open{0};
-  theirs[0] = 1;
-  while (!open.empty()) {
-    const Index t = open.front();
-    open.pop_front();
-    for (Index h = 3 * t; h < 3 * t + 3; ++h) {
-      const Index g = mesh.twin(h);
-      if (g == none || theirs[Mesh::face(g)] != Complex<double>(0)) continue;
-      const double turn =
-          pi<double> + s.connection().edge_to_face(s.geometry(), h) - s.connection().edge_to_face(s.geometry(), g);
-      theirs[Mesh::face(g)] = theirs[t] * std::polar(1.0, n * turn);
-      open.push_back(Mesh::face(g));
-    }
-  }
+  const ComplexVectorX<double> theirs = carried_directions(mesh, s.geometry(), s.connection(), n);
   std::vector<Index> away;
   Complex<double> common = 0;
   for (Index t = 0; t < mesh.faces(); ++t) {

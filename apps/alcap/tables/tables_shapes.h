@@ -59,6 +59,14 @@ class BodyShape : public Shape {
 [[nodiscard]] Eigen::ArrayXd one_form_energy(const Mesh& mesh, const Geometry& geometry, const Positions<double>& V,
                                              const Eigen::MatrixXcd& coefficients);
 
+/// The same energy of 1-forms, #E x fields: integrals along the edges.
+[[nodiscard]] Eigen::ArrayXd div_curl_energy(const Mesh& mesh, const Geometry& geometry, const Eigen::MatrixXd& omega);
+
+/// The n-direction field per face that a trivial connection carries from face 0 over its component (Crane, Desbrun,
+/// Schroeder 2010); zero elsewhere.
+[[nodiscard]] ComplexVectorX<double> carried_directions(const Mesh& mesh, const Geometry& geometry,
+                                                        const Connection& connection, int n);
+
 /// The mean angle, in degrees, between the cross field per face of a trivial connection (Crane, Desbrun, Schroeder
 /// 2010: one direction carried from face to face) and our smoothest field for it, at the faces that touch no cone.
 [[nodiscard]] double face_field_difference(const MeshData& data);
