@@ -10,6 +10,7 @@
 #include <string>
 
 #include "alcap/memory.h"
+#include "solvers/eigenpair/patches.h"
 #include "solvers/linear/backends.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
@@ -142,6 +143,21 @@ std::optional<double> second(const EigenProblem& problem, EigenOptions options) 
   return modes.lambda[1];
 }
 
+/// Where LOBPCG left it to a proof to find localised states, and none is made: a pair that patches show not to be the
+/// smallest is replaced.
+void look_on_patches(const EigenProblem& problem, const EigenOptions& options, EigenResult& result) {
+  const double lambda = result.report.lambda;
+  if (states_below(lambda, problem.area) <= dense_states) return;
+  const double below = lambda - bound_margin * scale_of(problem, lambda);
+  const std::vector<LocalVector> found = search_patches(problem, options, below, 1);
+  if (found.empty()) return;
+  EigenResult again = solve_again(problem, options, found.front().lambda, 1);
+  if (!again.report.converged || again.report.lambda >= lambda) return;
+  replace(result, std::move(again),
+          "the search ended at " + rounded_text(lambda) + ", which turned out not to be the smallest: solved again");
+  result.report.next.reset();
+}
+
 /// The part of the smallest eigenvalue (from `sigma` on) by which `steps` steps of Lanczos from a random vector miss it
 /// with a probability of search_risk at most: that of an error of more than epsilon is no larger than
 ///   1.648 sqrt(N) exp(-(2 steps - 1) sqrt(epsilon))
@@ -240,8 +256,12 @@ void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bo
     return unchecked("more than " + std::to_string(automatic_rows) + " rows: EigenOptions::prove_smallest asks for it");
   const ControlScope scope(options.cancel);
   Proof proof(problem, result);
-  if (options.prove_smallest == Prove::automatic && !proof.cheap())
-    return unchecked("a proof would take longer than the solve did: EigenOptions::prove_smallest asks for it");
+  if (options.prove_smallest == Prove::automatic && !proof.cheap()) {
+    look_on_patches(problem, options, result);
+    if (result.report.smallest_note.empty())
+      unchecked("a proof would take longer than the solve did: EigenOptions::prove_smallest asks for it");
+    return;
+  }
   if (!proof.fits(memory)) {
     search(problem, options, result);
     result.report.proof_seconds = timer.seconds();
