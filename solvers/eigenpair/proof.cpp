@@ -55,7 +55,9 @@ class Proof {
     const double available = memory.value_or(memory_part * static_cast<double>(available_memory_bytes()));
     return (available == 0 && !memory) || counter_.fronts().bytes() <= available;
   }
+  /// Beside the solve. What LOBPCG needs is known; other methods factorise themselves.
   [[nodiscard]] bool cheap() const {
+    if (result_.report.solver.find("LOBPCG") != 0) return true;
     const double solve = automatic_per_iteration * static_cast<double>(problem_.S.rows()) * result_.report.iterations;
     return counter_.fronts().flops() <= std::max(automatic_flops, solve);
   }

@@ -142,6 +142,7 @@ TEST_CASE("where a proof would take longer than the solve, patches still find ou
     result.u = modes.U.col(k);
     result.report.converged = true;
     result.report.lambda = modes.lambda[k];
+    result.report.solver = "LOBPCG";
     result.report.iterations = 1;  // so quick was the solve
     detail::prove_smallest(as_problem(p), {}, true, result);
     CHECK(result.report.smallest == Smallest::not_checked);
