@@ -135,6 +135,7 @@ std::vector<std::vector<Index>> patches_of(const HermitianMatrix& A, Index core,
 
 std::vector<LocalVector> search_patches(const EigenProblem& problem, const EigenOptions& options, double sigma,
                                         std::size_t most, std::int64_t known) {
+  const ControlScope scope(options.cancel);
   if (problem.S.rows() <= whole_rows) return search_whole(problem, options, sigma, most, known);
   std::vector<LocalVector> found;
   const std::vector<std::vector<Index>> patches = patches_of(problem.S, core_rows, overlap_rings);

@@ -4,6 +4,8 @@
 // coarse levels put into a wrong order; the search that takes the place of a proof; and pairs that are none.
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -11,6 +13,7 @@
 
 #include "alcap/backends.h"
 #include "alcap/connection.h"
+#include "alcap/control.h"
 #include "alcap/solve.h"
 #include "solvers/eigenpair/patches.h"
 #include "tests/solvers/solver_fixture.h"
@@ -87,6 +90,9 @@ TEST_CASE("patches cover all rows, overlap, and bound the smallest eigenvalue fr
   }
   CHECK(found.front().lambda <= 1.001 * exact.lambda);
   CHECK(detail::search_patches(as_problem(large), {}, exact.lambda * (1 - 1e-6), 5).empty());
+  std::atomic<int> asked = 0;
+  const EigenOptions stopped{.cancel = [&asked] { return ++asked > 3; }};
+  CHECK_THROWS_AS(static_cast<void>(detail::search_patches(as_problem(large), stopped, exact.lambda, 5)), Cancelled);
 }
 
 TEST_CASE("too large to be factorised: an independent search confirms a pair, or replaces it") {
