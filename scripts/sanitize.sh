@@ -16,7 +16,7 @@ while [ $# -gt 0 ]; do
     *) break ;;
   esac
 done
-install_packages "${build_packages[@]}" ccache python3
+install_packages "${build_packages[@]}" ccache python3 clang-14 libclang-rt-14-dev
 cd "$root"
 
 if [ "$what" = valgrind ]; then
@@ -62,14 +62,12 @@ case $what$quick in
     chosen=(-R '^(batch|same_bits)$')
     ;;
 esac
-if ! [ -e "build/$what/build.ninja" ]; then
-  say "Configuring (preset $what)"
-  # Users' programs and the package for Python are those of other builds.
-  cmake --preset "$what" -DALCAP_BUILD_EXAMPLES=OFF -DALCAP_BUILD_PYTHON=OFF >"$log" 2>&1 || die "cannot configure; see $log"
-fi
-build "$what" "${targets[@]}"
+# One build by clang serves the fuzz targets as well.
+preset=$what
+[ "$what" = tsan ] || preset=fuzz
+build "$preset" "${targets[@]}"
 say "Running the tests"
-cd "build/$what"
+cd "build/$preset"
 # For what CTest gives no environment of its own: the studio.
 export TSAN_OPTIONS="suppressions=$root/tests/support/tsan.supp history_size=7 halt_on_error=1"
 ctest --output-on-failure --no-tests=error -j "$(nproc)" "${chosen[@]}" "$@" || die "some tests failed; their output is above."

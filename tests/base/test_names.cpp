@@ -32,7 +32,8 @@ template <class E>
 void check() {
   std::set<std::string_view> seen;
   for (const auto& [value, text] : names_of<E>()) {
-    CAPTURE(text);
+    const std::string_view shown = text;
+    CAPTURE(shown);
     CHECK(!text.empty());
     CHECK(seen.insert(text).second);
     CHECK(name(value) == text);

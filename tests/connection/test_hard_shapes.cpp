@@ -99,7 +99,8 @@ TEST_CASE("solids, rods and cones of few digits have a converged connection") {
                           rod(sides, height, tip)});
   for (const auto& [name, shape] : shapes)
     for (const int decimals : {6, 9, 12, 15}) {
-      CAPTURE(name);
+      const std::string shown = name;
+      CAPTURE(shown);
       CAPTURE(decimals);
       const MeshData m = rounded(shape, decimals, 5);
       const Surface surface(m.V, m.F);

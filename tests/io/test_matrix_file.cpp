@@ -136,7 +136,8 @@ TEST_CASE("what cannot be written is a FileError, what is no Hermitian matrix a 
   const test::Folder folder;
   const Matrix A = stiffness();
   for (const auto& [format, name] : names_of<MatrixFormat>()) {
-    CAPTURE(name);
+    const std::string shown(name);
+    CAPTURE(shown);
     CHECK_THROWS_AS(write_matrix(folder.path / "none" / "A", A, format), FileError);
     CHECK_THROWS_AS(write_matrix("/dev/full", A, format), FileError);
     CHECK_THROWS_AS(write_matrix(folder.path / "A", Matrix(2, 3), format), SolveError);

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <map>
 #include <sstream>
+#include <string>
 
 #include "src/base/parallel.h"
 #include "tests/io/directional_reader.h"
@@ -81,7 +82,8 @@ TEST_CASE("a .ply holds the connection of its field: made again it is the same, 
     CHECK(back.connection == options.kind);
     CHECK(back.connection_known);
     const ConnectedSurface again = connect(Surface(back.V, back.F), back.how);
-    CAPTURE(name(options.kind));
+    const std::string kind(name(options.kind));
+    CAPTURE(kind);
     if (options.kind == ConnectionKind::metric) {
       CHECK((again.connection().rho_t - s.connection().rho_t).cwiseAbs().maxCoeff() < 1e-9);
     } else {

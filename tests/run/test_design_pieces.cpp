@@ -99,7 +99,8 @@ TEST_CASE("crosses along the boundary of flat pieces have the singularities that
   for (const auto& [name, mesh, indices] :
        {Case{"triangle", polygon(3, 8), {1}}, Case{"square", grid(8, 8), {}}, Case{"pentagon", polygon(5, 8), {-1}},
         Case{"hexagon", polygon(6, 12), {-1, -1}}, Case{"cylinder", cylinder(16, 6), {}}}) {
-    CAPTURE(name);
+    const std::string shown = name;
+    CAPTURE(shown);
     const DesignRun run = along_boundary(mesh);
     CHECK(run.certificate.holds());
     CHECK(run.residual > 0);
