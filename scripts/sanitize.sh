@@ -1,22 +1,17 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# sanitize.sh [asan|tsan|valgrind] [--quick] [ctest options]: the tests under the sanitizers for addresses, undefined behaviour
-# and casts of floating numbers (asan), or for threads (tsan: what several threads do at the same time), or the loops for packs
-# under valgrind. --quick: the programs of a few folders alone. docs/reliability.md says what is left out, and why.
+# sanitize.sh [asan|tsan|valgrind|quick] [ctest options]: the tests under the sanitizers for addresses, undefined behaviour
+# and casts of floating numbers (asan), or for threads (tsan: what several threads do at the same time), or the loops for
+# packs under valgrind. quick: meshes and their readers alone, as asan. docs/reliability.md says what is left out, and why.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 what=asan
-quick=
-while [ $# -gt 0 ]; do
-  case $1 in
-    asan | tsan | valgrind) what=$1; shift ;;
-    --quick) quick=quick; shift ;;
-    -h | --help) sed -n '4,6s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
-    *) break ;;
-  esac
-done
-install_packages "${build_packages[@]}" ccache python3 clang-14 libclang-rt-14-dev
+case ${1:-} in
+  asan | tsan | valgrind | quick) what=$1; shift ;;
+  -h | --help) sed -n '4,6s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+esac
+install_packages "${build_packages[@]}" ccache
 cd "$root"
 
 if [ "$what" = valgrind ]; then
@@ -31,40 +26,45 @@ if [ "$what" = valgrind ]; then
   exit 0
 fi
 
-# tests_of FOLDER...: a regular expression for the tests of these folders.
-tests_of() {
-  local folder source names=()
-  for folder in "$@"; do
-    for source in tests/"$folder"/test_*.cpp; do
-      source=$(basename "$source" .cpp)
-      names+=("${source#test_}")
-    done
-  done
-  printf '^(%s)$' "$(IFS='|'; echo "${names[*]}")"
-}
+if [ "$what" = quick ]; then
+  # What these programs call of the library is a quarter of it, and the rest is not compiled: they are linked by hand.
+  folder=build/quick flags=(-fsanitize=address,undefined,float-cast-overflow)
+  cmake --preset asan -B "$folder" -DCMAKE_CXX_FLAGS_DEBUG='-O0 -g1' -DALCAP_BUILD_APPS=OFF -DALCAP_BUILD_C=OFF \
+    -DALCAP_BUILD_FUZZ=ON -DALCAP_BUILD_PYTHON=OFF -DALCAP_BUILD_EXAMPLES=OFF >"$log" 2>&1 || die "cannot configure; see $log"
+  # objects PATTERN: the object files whose names are so.
+  objects() { ninja -C "$folder" -t targets all | sed -n 's/: CXX_COMPILER.*//p' | grep -E "$1"; }
+  mapfile -t library < <(objects '^CMakeFiles/alcap.dir/(src/simd/|src/mesh/|Unity/unity_src_(base|mesh|io_mesh)_)')
+  mapfile -t mesh < <(objects '^tests/CMakeFiles/(test_mesh|alcap_doctest_main)[.]dir/.*[.]cpp[.]o')
+  mapfile -t reader < <(objects '^fuzz/CMakeFiles/fuzz_mesh_file[.]dir/')
+  say "Building"
+  cmake --build "$folder" -j "$(jobs)" --target "${library[@]}" "${mesh[@]}" "${reader[@]}" || die "the build failed"
+  (cd "$folder" && c++ "${flags[@]}" "${mesh[@]}" "${library[@]}" -o mesh -ltbb &&
+    c++ "${flags[@]}" "${reader[@]}" "${library[@]}" -o reader -ltbb) || die "they do not link"
+  export UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1
+  say "Meshes"
+  "$folder/mesh" || die "a test failed"
+  say "Readers, 20 seconds"
+  mkdir -p "$folder/found"
+  "$folder/reader" -max_total_time=20 -seed=2 -artifact_prefix="$folder/" "$folder/found" fuzz/corpus/mesh_file ||
+    die "a reader failed; the input is $folder/crash"
+  exit 0
+fi
 
-case $what$quick in
+case $what in
   asan)
+    install_packages clang-14 libclang-rt-14-dev
+    preset=fuzz  # one build by clang serves the fuzz targets as well
     targets=(test_{base,mesh,kernels,io,connection,energy,solvers,field,curves,run,design,faults,cli,c})
     # Left out: pages in a browser, projects that build the library once more, documents, and what other programs read.
     chosen=(-E '^(browser|consumer_.*|default_build.*|docs_.*|.*_script|bench_scripts|readme_.*|cli_.*_read_back|output_vtk)$')
     ;;
-  asanquick)
-    targets=(test_{base,mesh,kernels,io})
-    chosen=(-R "$(tests_of base mesh kernels io)")
-    ;;
   tsan)
+    install_packages python3
+    preset=tsan
     targets=(test_{base,connection,solvers,run} alcap_cli)
     chosen=(-R '^(array|connected_surface|registry|solve|multigrid|solver_stops|batch|cancel|same_bits|studio_faults)$')
     ;;
-  *)
-    targets=(test_run)
-    chosen=(-R '^(batch|same_bits)$')
-    ;;
 esac
-# One build by clang serves the fuzz targets as well.
-preset=$what
-[ "$what" = tsan ] || preset=fuzz
 build "$preset" "${targets[@]}"
 say "Running the tests"
 cd "build/$preset"
