@@ -124,10 +124,11 @@ class Handlers {
     });
     server.Get("/api/mesh", [this](const auto&, auto& response) {
       ViewPack pack;
-      pack.meta = {{"title", options_.title},
-                   {"euler", session_.surface().topology().euler()},
-                   {"boundary", !session_.surface().topology().loops.empty()},
-                   {"file", session_.file().string()}};
+      // Json{}: in a generic lambda clang 14 never destroys what an assignment from plain braces replaces.
+      pack.meta = Json{{"title", options_.title},
+                       {"euler", session_.surface().topology().euler()},
+                       {"boundary", !session_.surface().topology().loops.empty()},
+                       {"file", session_.file().string()}};
       add_mesh(pack, session_.surface());
       add_loops(pack, session_.surface());
       response.set_content(pack.bytes(), binary);
