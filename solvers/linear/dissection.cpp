@@ -21,6 +21,8 @@ constexpr std::size_t piece_rows = 250;
 /// Levels that leave this part of a piece on either side are candidates: the smallest one separates.
 constexpr double least_side = 0.35;
 
+/// Separators of more than one row in so many are left to minimum degree, with all they separate.
+constexpr std::size_t least_gain = 4;
 /// Sweeps over a separator that make it shorter.
 constexpr int most_passes = 6;
 /// Rows with so many times the entries of the others make everything near to everything: they are eliminated last.
@@ -86,16 +88,16 @@ class Dissection {
     const Index connected = pieces_;
     if (visited_.size() < rows.size()) {
       waiting.emplace_back(visited_);
-      std::vector<Index>& rest = waiting.emplace_back();
-      for (const Index i : rows)
-        if (piece_[at(i)] == whole) rest.push_back(i);
+      for (const Index i : rows) {
+        if (piece_[at(i)] != whole) continue;
+        search(i, whole);
+        waiting.emplace_back(visited_);
+      }
       return;
     }
     const std::vector<std::size_t> levels = search(visited_.back(), connected);
-    if (levels.size() < 4) {  // everything is next to everything
-      separators_.push_back(rows);
-      return;
-    }
+    const auto whole_piece = [&] { interior_.insert(interior_.end(), rows.begin(), rows.end()); };
+    if (levels.size() < 4) return whole_piece();  // everything is next to everything
     const std::size_t chosen = separating(levels, rows.size());
     const Index near = ++pieces_, far = ++pieces_, between = ++pieces_;
     for (std::size_t k = 0; k < visited_.size(); ++k)
@@ -103,6 +105,8 @@ class Dissection {
     std::vector<Index> separator(visited_.begin() + static_cast<std::ptrdiff_t>(levels[chosen]),
                                  visited_.begin() + static_cast<std::ptrdiff_t>(levels[chosen + 1]));
     straighten(separator, near, far, between);
+    // Nothing left of it: one side was so small that it went into the other.
+    if (separator.empty() || separator.size() > rows.size() / least_gain) return whole_piece();
     std::vector<Index> sides[2];
     for (const Index i : visited_)
       if (piece_[at(i)] != between) sides[piece_[at(i)] == far].push_back(i);
@@ -154,10 +158,12 @@ class Dissection {
     return found;
   }
 
-  /// The smallest of the levels in the middle; never the last one.
+  /// The smallest of the levels in the middle, or the one that has the middle row; neither the first nor the last.
   static std::size_t separating(const std::vector<std::size_t>& levels, std::size_t rows) {
     const auto part = static_cast<double>(rows) * least_side;
-    std::size_t best = levels.size() / 2 - 1, least = rows + 1;
+    const auto middle = std::upper_bound(levels.begin(), levels.end(), rows / 2) - levels.begin() - 1;
+    std::size_t best = std::clamp<std::size_t>(static_cast<std::size_t>(middle), 1, levels.size() - 3);
+    std::size_t least = rows + 1;
     for (std::size_t l = 1; l + 2 < levels.size(); ++l) {
       const std::size_t size = levels[l + 1] - levels[l];
       if (static_cast<double>(levels[l]) < part || static_cast<double>(rows - levels[l + 1]) < part || size >= least)

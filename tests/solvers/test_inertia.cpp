@@ -77,6 +77,64 @@ TEST_CASE("inertia of more rows than a front, in any order, by any number of thr
   }
 }
 
+TEST_CASE("inertia of graphs that are no meshes: stars, combs, wheels, complete ones, many pieces") {
+  constexpr Index n = 900;
+  const auto graph = [](int kind, Index i, Index j) {
+    switch (kind) {
+      case 0:
+        return i == 0;  // star
+      case 1:
+        return j == i + 1;  // path
+      case 2:
+        return (i % 30 == 0 && j == i + 30) || (i / 30 == j / 30 && j == i + 1);  // comb
+      case 3:
+        return i < 3 || j == i + 1;  // wheel of three hubs
+      case 4:
+        return i < 300 && j < 300;  // complete, and vertices alone
+      case 5:
+        return i % 7 == 0 && j > i && j < i + 7;  // many stars
+      default:
+        return (i * 7919 + j * 104729) % 331 == 0;  // no order at all
+    }
+  };
+  for (int kind = 0; kind < 7; ++kind) {
+    CAPTURE(kind);
+    std::vector<Eigen::Triplet<Z, Index>> entries;
+    detail::Random random(3);
+    for (Index i = 0; i < n; ++i) {
+      entries.emplace_back(i, i, random.uniform(-1, 1));
+      for (Index j = i + 1; j < n; ++j) {
+        if (!graph(kind, i, j)) continue;
+        const Z z = std::polar(1.0, random.uniform(0, 6));
+        entries.emplace_back(i, j, z);
+        entries.emplace_back(j, i, std::conj(z));
+      }
+    }
+    Hermitian S(n, n), M(n, n);
+    S.setFromTriplets(entries.begin(), entries.end());
+    M.setIdentity();
+    const std::vector<Index> order = detail::dissection_order(S);
+    std::vector<Index> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    REQUIRE(sorted.size() == static_cast<std::size_t>(n));
+    for (Index i = 0; i < n; ++i) CHECK(sorted[static_cast<std::size_t>(i)] == i);
+    const VectorX<double> exact = detail::hermitian_eigenvalues(Dense(S));
+    for (const double sigma : {-0.51, 0.013, 0.77}) {
+      const Inertia counted = inertia(S, M, sigma);
+      if (counted.growth < 1e8) CHECK(counted.below == (exact.array() < sigma).count());
+    }
+  }
+}
+
+TEST_CASE("a hundred thousand vertices alone are ordered at once") {
+  constexpr Index n = 100'000;
+  Hermitian S(n, n), M(n, n);
+  S.setIdentity();
+  M.setIdentity();
+  CHECK(inertia(S, M, 0.5).below == 0);
+  CHECK(inertia(S, M, 1.5).below == n);
+}
+
 TEST_CASE("inertia where a pivot vanishes, of diagonal matrices, of one row; errors; cancelling") {
   Hermitian S(4, 4), M(4, 4);
   S.setIdentity();
