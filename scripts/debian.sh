@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 #
 # debian.sh [--keep]: builds the Debian packages from a clean tree of the last commit, in build/debian, has lintian look at
-# them, unpacks them into a tree of their own and tries them there: the tool, a program in C++ and one in C, and Python.
+# them, unpacks them into a tree of their own and tries them there: the tool, a program in C++ and one in C, the binary
+# interface of the C library against its record, and Python.
 # --keep: go on in the tree that is there, without cleaning it. About ten minutes on two idle cores.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -10,7 +11,7 @@ keep=
 case ${1:-} in
   --keep) keep=yes ;;
   '') ;;
-  *) sed -n '4,6s/^# //p' "${BASH_SOURCE[0]}"; exit 2 ;;
+  *) sed -n '4,7s/^# //p' "${BASH_SOURCE[0]}"; exit 2 ;;
 esac
 install_packages "${build_packages[@]}" "${python_packages[@]}" debhelper dh-python dpkg-dev fakeroot lintian pkg-config
 version=$(sed -n 's/^project(alcap VERSION \([0-9.]*\).*/\1/p' "$root/CMakeLists.txt")
@@ -60,6 +61,8 @@ export PKG_CONFIG_PATH=$libraries/pkgconfig
 awk '/^```c$/ { inside = 1; next } /^```$/ { if (inside) exit } inside' "$root/docs/c.md" >program.c
 cc -std=c99 -pedantic program.c -o program_c $(pkg-config --cflags --libs alcap_c)
 ./program_c
+/usr/bin/python3 -B "$root/tests/c/abi.py" --cc cc --library "$libraries/libalcap_c.so" --nm nm --include "$inside/usr/include" \
+  --record "$root/tests/c/abi.txt"
 c++ -std=c++20 "$root/tests/build/consumer.cpp" -o program_cpp $(pkg-config --cflags --libs alcap)
 ./program_cpp
 say "Packages, in $work:"

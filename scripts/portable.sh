@@ -6,8 +6,16 @@
 # tests of those things, which it names. --quick: some tests of files and the tool alone.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-# Tests of what such a build does not have, and why they cannot run.
-declare -A left_out=()
+# Tests of what such a build does not have, and why they are not run. Single cases say so themselves (tests/support/portable.h):
+# pipes, signals, a bound of memory, what a killed run leaves.
+declare -A left_out=(
+  [browser]='no studio'
+  [studio_faults]='no studio'
+  [python_package]='built without Python'
+  [consumer_subdirectory]='builds the library anew, without ALCAP_PORTABLE'
+  [consumer_fetch_content]='builds the library anew, without ALCAP_PORTABLE'
+  [default_build_is_optimised]='builds the library anew, without ALCAP_PORTABLE'
+)
 programs=(all) chosen=(.)
 case ${1:-} in
   --quick)

@@ -5,7 +5,8 @@
 # into a fresh virtual environment that sees Debian's NumPy and SciPy, checks the types, and runs its tests there.
 # --fresh: as a user would from the source archive of the last commit, by one `pip install`. --build: a configured build to
 # take the module from (default: build/python, configured for it). --work: where wheel and environment go (default:
-# build/python-test). Exits with 77 where pybind11, NumPy, SciPy or pytest is missing.
+# build/python-test). ALCAP_CMAKE_ARGS in the environment: more arguments for CMake. Exits with 77 where pybind11, NumPy,
+# SciPy or pytest is missing.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 folder='' fresh='' work=$root/build/python-test install=yes
@@ -14,7 +15,7 @@ while [ $# -gt 0 ]; do
     --fresh) fresh=yes; shift ;;
     --build) folder=$2 install=; shift 2 ;;
     --work) work=$2; shift 2 ;;
-    -h | --help) sed -n '4,8s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
+    -h | --help) sed -n '4,9s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;
     *) break ;;
   esac
 done
@@ -32,15 +33,17 @@ rm -rf "$work"
 mkdir -p "$work"
 "$python" -m venv --system-site-packages --without-pip "$work/venv"
 pip=("$python" -m pip --python "$work/venv/bin/python" install --quiet --no-deps --no-index)
+settings=()
+[ -z "${ALCAP_CMAKE_ARGS:-}" ] || settings=(--config-settings=cmake-args="$ALCAP_CMAKE_ARGS")
 if [ -n "$fresh" ]; then
   git -C "$root" archive --prefix=tree/ HEAD | tar -x -C "$work"
   (cd "$work/tree/python" && "$python" -B -c "import build_backend; build_backend.build_sdist('$work')")
   rm -rf "$work/tree"
   say "pip install $(cd "$work" && echo alcap-*.tar.gz)"
-  "${pip[@]}" --no-build-isolation "$work"/alcap-*.tar.gz
+  "${pip[@]}" --no-build-isolation "${settings[@]}" "$work"/alcap-*.tar.gz
 else
   "$python" -m pip wheel --quiet --no-deps --no-build-isolation --no-index \
-    ${folder:+--config-settings=build-dir="$folder"} -w "$work" "$root"
+    ${folder:+--config-settings=build-dir="$folder"} "${settings[@]}" -w "$work" "$root"
   "${pip[@]}" "$work"/alcap-*.whl
   ALCAP_WHEEL=$(echo "$work"/alcap-*.whl)
   export ALCAP_WHEEL

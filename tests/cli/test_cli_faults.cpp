@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/cli/cli_runner.h"
+#include "tests/support/portable.h"
 
 using namespace alcap;
 using test::CliFolder;
@@ -52,7 +53,8 @@ TEST_CASE("exit codes hold when nobody can read what is said") {
   CHECK(folder.run("info b.ply").exit == 0);
 }
 
-TEST_CASE("signals while writing leave nothing behind, and those that are ignored stay so") {
+TEST_CASE("signals while writing leave nothing behind, and those that are ignored stay so" *
+          doctest::skip(test::portable)) {
   const CliFolder folder;
   folder.write("a.ply", icosphere(4));
   REQUIRE(folder.shell("mkfifo r.json c.json") == 0);
@@ -75,7 +77,8 @@ TEST_CASE("signals while writing leave nothing behind, and those that are ignore
   CHECK_FALSE(folder.files().contains("out.ply"));
 }
 
-TEST_CASE("a run that is killed leaves complete results or none, and what it leaves is recognised") {
+TEST_CASE("a run that is killed leaves complete results or none, and what it leaves is recognised" *
+          doctest::skip(test::portable)) {
   const CliFolder folder;
   folder.write("a.ply", icosphere(4));
   CHECK(folder.shell("for i in $(seq 1 12); do $ALCAP field a.ply -n 4 -q -o out & p=$!; "
@@ -159,7 +162,7 @@ TEST_CASE("names are shown without their control characters") {
   }
 }
 
-TEST_CASE("pipes as inputs: read once, and given up when nobody writes") {
+TEST_CASE("pipes as inputs: read once, and given up when nobody writes" * doctest::skip(test::portable)) {
   const CliFolder folder;
   folder.write("a.ply", icosphere(2));
   REQUIRE(folder.run("field a.ply -n 2 -q -o out").exit == 0);
@@ -176,7 +179,7 @@ TEST_CASE("pipes as inputs: read once, and given up when nobody writes") {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-TEST_CASE("with little address space the program ends and says so") {
+TEST_CASE("with little address space the program ends and says so" * doctest::skip(test::portable)) {
   const CliFolder folder;
   folder.write("a.ply", icosphere(3));
   for (const char* limit : {"150000", "200000", "300000"}) {

@@ -58,6 +58,30 @@ def close(a, b):
     )
 
 
+def check_colours(data, place):
+    """What VTK draws of `index_rgb`: orange above 0, blue below, pale at 0; returns how many of each."""
+    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
+
+    mapper = vtkPolyDataMapper()
+    mapper.SetInputData(data)
+    if place == "cell":
+        mapper.SetScalarModeToUseCellFieldData()
+        group = data.GetCellData()
+    else:
+        mapper.SetScalarModeToUsePointFieldData()
+        group = data.GetPointData()
+    mapper.SelectColorArray("index_rgb")
+    mapper.SetColorModeToDefault()
+    drawn, index, counts = mapper.MapScalars(1.0), group.GetArray("index"), [0, 0, 0]
+    assert drawn.GetNumberOfTuples() == index.GetNumberOfTuples()
+    for i in range(index.GetNumberOfTuples()):
+        k, (r, g, b) = index.GetTuple1(i), drawn.GetTuple(i)[:3]
+        assert drawn.GetTuple(i)[:3] == group.GetArray("index_rgb").GetTuple(i)
+        assert (r > g > b) if k > 0 else (b > g and b > r) if k < 0 else (min(r, g, b) > 200), (k, r, g, b)
+        counts[0 if k < 0 else 1 if k == 0 else 2] += 1
+    return counts
+
+
 def check(name, folder):
     compared = 0
     want = expected(os.path.join(folder, name + ".txt"))
@@ -84,6 +108,9 @@ def check(name, folder):
             names = {group.GetArrayName(i) for i in range(group.GetNumberOfArrays())}
             assert names == {t for f, p, t in want if (f, p) == (file, place)}, f"{name} {file}: {place} data {names}"
     surface = files["surface"]
+    found = check_colours(surface, "cell")
+    assert name != "busy" or all(found), f"{name}: {found} faces below, at and above 0"
+    assert check_colours(files["singularities"], "point") == [found[0], 0, found[2]]
     assert surface.GetPointData().GetVectors().GetName() == "d_0"
     assert surface.GetPointData().GetScalars().GetName() == "magnitude"
     assert surface.GetNumberOfCells() == len(want["surface", "polys", "-"])
