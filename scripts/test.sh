@@ -16,6 +16,7 @@ done
 
 # The Python package and the leaks of the C interface have tests of their own, skipped where these cannot be had.
 try_install valgrind || say "WARNING: the C interface will not be looked at for leaks: $why"
+try_install abigail-tools || say "WARNING: the binary interface of the C library will be compared by functions and sizes alone: $why"
 try_install "${python_packages[@]}" || say "WARNING: the Python package will not be built and tested: $why"
 try_install "${notebook_packages[@]}" || say "WARNING: the notebooks will not be run in a kernel: $why"
 # VTK reads our VTP files back. It is large, so a machine that cannot have it skips that one test, and says so.

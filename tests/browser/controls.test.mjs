@@ -110,6 +110,14 @@ test('directions are mirrored, and eigen designs hold them', () => on('icosphere
   assert.deepEqual(hand.design().fixed || [], []);
 }));
 
+test('less detail: a connection that ignores small bumps, and a field with fewer singularities', () => on('scan:3,0.3', 'scan', async (page, hand, report) => {
+  const before = report().singularities.count;
+  await slide(page, hand, 'Detail', ['Home']);
+  assert.equal(hand.design().connection.detail, 0.01);
+  assert.ok(report().singularities.count < before);
+  assert.equal((await hand.state()).arrays.singular_faces.length, report().singularities.count);
+}));
+
 test('zeros side by side: a slider says how many, and the field has them', () => on('icosphere:4', 'ball3', async (page, hand, report) => {
   await hand.drop('saddle');
   await slide(page, hand, 'Zeros', ['ArrowRight']);

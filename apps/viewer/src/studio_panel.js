@@ -26,6 +26,8 @@ export function fieldSection(app) {
   const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
   const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['trivial', 'Cones', 'Flat but for cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size']], 'global',
     (v) => app.change((d) => setConnection(d, v)));
+  const detail = slider('Detail', { least: 0.01, most: 100, value: 1 }, (v, gesture) => app.change((d) => { d.connection = { kind: 'global', ...d.connection, detail: v }; }, gesture), () => app.store.rest());
+  detail.title = 'Smaller spreads the curvature of a vertex over more faces: the field ignores small bumps';
   const guidance = segmented('Elsewhere', [['smoothest', 'Smoothest', 'Edits are local: elsewhere the smoothest field'], ['curvature', 'Curvature', 'Elsewhere along the directions of principal curvature'], ['none', 'Free', 'Edits decide everywhere']], 'smoothest', (v) => app.change((d) => {
     d.guidance = { field: v, ...(v === 'none' ? {} : { weight: d.guidance?.weight || 1 }) };
   }));
@@ -37,11 +39,13 @@ export function fieldSection(app) {
   const boundary = boundaryControl(app);
   const features = featureControls(app);
   const mirror = mirrorControl(app);
-  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, h('h2', { class: 'sub' }, 'Method'), method, h('h2', { class: 'sub' }, 'Away from edits'), guidance, hold, energy, boundary, features, mirror);
+  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, detail, h('h2', { class: 'sub' }, 'Method'), method, h('h2', { class: 'sub' }, 'Away from edits'), guidance, hold, energy, boundary, features, mirror);
   element.refresh = (design, reports) => {
     const eigen = design.method === 'eigen';
     n.set(design.n);
     connection.set(design.connection?.kind || 'global');
+    detail.hidden = (design.connection?.kind || 'global') !== 'global';
+    detail.set(design.connection?.detail ?? 1);
     guidance.set(design.guidance?.field || 'none');
     method.set(design.method || 'variational');
     hold.hidden = !design.guidance?.field || design.guidance.field === 'none';
