@@ -4,7 +4,7 @@ Python; pybind11, CMake and Ninja are asked for where the machine has none.
 
 Config settings (pip: --config-settings=NAME=VALUE):
 - build-dir: build there, and take a build that is there already as it was configured (default: build/python)
-- cmake-args: more arguments for CMake, separated by blanks
+- cmake-args: more arguments for CMake, separated by blanks; those of ALCAP_CMAKE_ARGS in the environment come before
 """
 import base64
 import hashlib
@@ -90,7 +90,7 @@ def _run(*command):
 def _build(settings):
     """Builds the module and returns its file."""
     folder = os.path.abspath(_setting(settings, 'build-dir', os.path.join(ROOT, 'build', 'python')))
-    extra = _setting(settings, 'cmake-args', '').split()
+    extra = os.environ.get('ALCAP_CMAKE_ARGS', '').split() + _setting(settings, 'cmake-args', '').split()
     if not os.path.exists(os.path.join(folder, 'CMakeCache.txt')) or extra:
         generator = ['-G', 'Ninja'] if shutil.which('ninja') else []
         _run('cmake', '-S', ROOT, '-B', folder, *generator, '-DCMAKE_BUILD_TYPE=Release', '-DALCAP_BUILD_APPS=OFF',
@@ -129,6 +129,15 @@ class _Wheel:
         text = '\n'.join(self.record) + '\n'
         self.zip.writestr(zipfile.ZipInfo(record, STAMP), text)
         self.zip.close()
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    """What pip asks for first, without building anything."""
+    info = f'alcap-{_version()}.dist-info'
+    os.makedirs(os.path.join(metadata_directory, info), exist_ok=True)
+    with open(os.path.join(metadata_directory, info, 'METADATA'), 'w', encoding='utf-8') as file:
+        file.write(_metadata())
+    return info
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):

@@ -33,17 +33,15 @@ rm -rf "$work"
 mkdir -p "$work"
 "$python" -m venv --system-site-packages --without-pip "$work/venv"
 pip=("$python" -m pip --python "$work/venv/bin/python" install --quiet --no-deps --no-index)
-settings=()
-[ -z "${ALCAP_CMAKE_ARGS:-}" ] || settings=(--config-settings=cmake-args="$ALCAP_CMAKE_ARGS")
 if [ -n "$fresh" ]; then
   git -C "$root" archive --prefix=tree/ HEAD | tar -x -C "$work"
   (cd "$work/tree/python" && "$python" -B -c "import build_backend; build_backend.build_sdist('$work')")
   rm -rf "$work/tree"
   say "pip install $(cd "$work" && echo alcap-*.tar.gz)"
-  "${pip[@]}" --no-build-isolation "${settings[@]}" "$work"/alcap-*.tar.gz
+  "${pip[@]}" --no-build-isolation "$work"/alcap-*.tar.gz
 else
   "$python" -m pip wheel --quiet --no-deps --no-build-isolation --no-index \
-    ${folder:+--config-settings=build-dir="$folder"} "${settings[@]}" -w "$work" "$root"
+    ${folder:+--config-settings=build-dir="$folder"} -w "$work" "$root"
   "${pip[@]}" "$work"/alcap-*.whl
   ALCAP_WHEEL=$(echo "$work"/alcap-*.whl)
   export ALCAP_WHEEL
