@@ -2,6 +2,8 @@
 """Linear solvers and eigensolvers, those of the library and your own."""
 from __future__ import annotations
 
+import atexit
+import weakref
 from typing import Any, Callable, Dict, Optional, Tuple
 
 import numpy as np
@@ -142,6 +144,18 @@ def inertia(S: Any, M: Any, sigma: float, *, progress: Progress = None, threads:
     return _alcap.inertia(parts(S), parts(M), sigma, progress, threads)
 
 
+def _until_exit(registration: '_alcap.Registration') -> '_alcap.Registration':
+    """Closed before the interpreter ends: afterwards nobody could let go of the callable."""
+    seen = weakref.ref(registration)
+
+    def close() -> None:
+        left = seen()
+        if left is not None:
+            left.close()
+    atexit.register(close)
+    return registration
+
+
 def register_linear_solver(name: str, factory: Callable[[Any], Any]) -> '_alcap.Registration':
     """Makes a callable a linear backend, for `solver=name`.
 
@@ -160,7 +174,7 @@ def register_linear_solver(name: str, factory: Callable[[Any], Any]) -> '_alcap.
     def make(*parts: Any) -> Any:
         made = factory(csc(parts))  # type: ignore[arg-type]
         return getattr(made, 'solve', made)
-    return _alcap.register_linear_solver(name, make)
+    return _until_exit(_alcap.register_linear_solver(name, make))
 
 
 def register_eigen_solver(name: str, solver: Callable[[Any, Any, float, Dict[str, Any]], Any]) -> '_alcap.Registration':
@@ -175,7 +189,7 @@ def register_eigen_solver(name: str, solver: Callable[[Any, Any, float, Dict[str
     """
     def solve(S: Any, M: Any, area: float, options: Dict[str, Any]) -> Any:
         return solver(csc(S), csc(M), area, options)
-    return _alcap.register_eigen_solver(name, solve)
+    return _until_exit(_alcap.register_eigen_solver(name, solve))
 
 
 __all__ = [

@@ -2,6 +2,7 @@
 """Files, curves, pictures, pages, and solvers written in Python."""
 import os
 import re
+import subprocess
 import sys
 import types
 
@@ -130,3 +131,8 @@ def test_errors_of_solvers_in_python_arrive(bumpy):
     with alcap.register_linear_solver('short', lambda A: lambda B: B[:-1]):
         with pytest.raises(alcap.SolveError, match='size'):
             alcap.smoothest_field(bumpy, n=4, solver='short', method='lanczos')
+
+
+def test_a_registration_that_is_left_open_does_not_keep_the_interpreter_from_ending():
+    code = 'import alcap; r = alcap.register_linear_solver("x", lambda A: None); s = alcap.register_eigen_solver("y", print)'
+    subprocess.run([sys.executable, '-c', code], check=True, timeout=60)
