@@ -26,10 +26,15 @@ VectorX<double> hermitian_eigenvalues(const Dense& A) {
 
 template <class Scalar>
 std::optional<Eigenpairs<Scalar>> generalised_eigenpairs(const MatrixX<Scalar>& S, const MatrixX<Scalar>& M) {
-  // The solver below factorises M as well, but does not look at how that went.
-  if (Eigen::LLT<MatrixX<Scalar>>(M).info() != Eigen::Success) return std::nullopt;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixX<Scalar>> solver(S, M);
-  return Eigenpairs<Scalar>{solver.eigenvalues(), solver.eigenvectors()};
+  // With M = L L^H: the eigenpairs of C = L^-1 S L^-H, and L^-H times their vectors.
+  const Eigen::LLT<MatrixX<Scalar>> L(M);
+  if (L.info() != Eigen::Success) return std::nullopt;
+  MatrixX<Scalar> C = S.template selfadjointView<Eigen::Lower>();
+  L.matrixL().template solveInPlace<Eigen::OnTheLeft>(C);
+  L.matrixU().template solveInPlace<Eigen::OnTheRight>(C);
+  Eigenpairs<Scalar> pairs = hermitian_eigenpairs<Scalar>(C);
+  L.matrixU().solveInPlace(pairs.vectors);
+  return pairs;
 }
 template std::optional<Eigenpairs<double>> generalised_eigenpairs<double>(const MatrixX<double>&,
                                                                           const MatrixX<double>&);
