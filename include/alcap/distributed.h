@@ -87,10 +87,12 @@ struct NamesOf<PartitionMethod> {
 
 /// Which field, and how.
 struct DistributedOptions {
-  int n = 1;                                            // degree
-  double s = 0;                                         // of the energy E_s, see energies.h
-  ConnectionChoice connection = {};                     // polar, polar-barycenter, local or global
-  GlobalOptions global = {};                            // weights and tolerance of the global connection
+  int n = 1;                         // degree
+  double s = 0;                      // of the energy E_s, see energies.h
+  ConnectionChoice connection = {};  // polar, polar-barycenter, local or global
+  /// Weights and tolerance of the global connection: tighter than on one machine, so that any number of ranks gives the
+  /// same eigenvalues to 1e-8.
+  GlobalOptions global = {.tolerance = 1e-10};
   double tolerance = 1e-8;                              // as EigenOptions::tolerance, recomputed
   int max_iterations = 1000;                            // of the eigensolver, per component
   std::uint64_t seed = 1;                               // of its start vectors

@@ -137,25 +137,27 @@ struct NamesOf<Smallest> {
 
 /// What is known about the angle between an eigenvector and the true one.
 enum class AngleCheck {
-  unknown,    ///< nothing: the second eigenvalue is not known, or so close that any vector of both will do
+  unknown,    ///< nothing: the residual is too large for a bound
+  of_many,    ///< others may be as smooth: the angle is that to the nearest of them, bounded whatever is proven
   estimated,  ///< the second eigenvalue is not proven, only approximated: it may lie closer
   bounded,    ///< no eigenvalue but the smallest lies below the one that the bound is made with
 };
 template <>
 struct NamesOf<AngleCheck> {
-  static constexpr auto table = detail::name_table<AngleCheck>(
-      {{AngleCheck::unknown, "none"}, {AngleCheck::estimated, "estimated"}, {AngleCheck::bounded, "bounded"}});
+  static constexpr auto table = detail::name_table<AngleCheck>({{AngleCheck::unknown, "none"},
+                                                                {AngleCheck::of_many, "of many"},
+                                                                {AngleCheck::estimated, "estimated"},
+                                                                {AngleCheck::bounded, "bounded"}});
 };
 
 /// How the smallest eigenpair is computed.
 struct EigenOptions {
   /// Relative residual |S u - lambda M u| / (max(lambda, 1/area) |M u|) that is asked for and checked; the same bound
-  /// holds for EigenReport::energy_residual. Not given: angle_tolerance, and where the gap to the second eigenvalue
-  /// does not allow that, residual_tolerance().
+  /// holds for EigenReport::energy_residual. Not given: angle_tolerance.
   std::optional<double> tolerance = {};
   /// Degrees, at least 0 (off). Without a `tolerance` the solve may end where EigenReport::angle is below this and, if
-  /// it is only estimated, both residuals are below 1e-6: nobody sees or measures more of a field.
-  double angle_tolerance = 0;
+  /// it is only estimated, both residuals are below 1e-6. 0.01: nobody sees or measures more of a field.
+  double angle_tolerance = 0.01;
   /// n where u stands for the n-th power of directions: angles are those of the directions, an n-th of those of u's
   /// phase. smoothest_field(), smoothest_modes() and eigen_design() set it to their n.
   int degree = 1;
@@ -195,8 +197,10 @@ struct EigenReport {
   double distance = 0;
   /// Degrees: how far u's phase may be from that of the true eigenvector, after both are turned to agree best, divided
   /// by EigenOptions::degree. The sine of the whole angle is distance / (next - lambda), which is no less than the root
-  /// mean square of the sines of all angles, over the surface and weighted by |u|^2 (Davis and Kahan 1970). Nothing
-  /// where no `next` is known, or it is too close for the bound to say anything.
+  /// mean square of the sines of all angles, over the surface and weighted by |u|^2 (Davis and Kahan 1970). Where no
+  /// `next` is known, or it lies within 1e-3 of max(lambda, 1/area) above lambda: the same to the nearest vector in the
+  /// space of all eigenvectors whose eigenvalues lie so near to lambda, AngleCheck::of_many. Nothing where the bound is
+  /// no bound.
   std::optional<double> angle;
   AngleCheck angle_check = AngleCheck::unknown;  ///< what the angle rests on
   /// Degrees, an estimate: the largest of these angles among the vertices where |u| is at least a tenth of its root

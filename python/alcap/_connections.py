@@ -43,7 +43,7 @@ def connect(surface: Surface, connection: str = 'global', *, detail: Optional[fl
     spread : bool
         With a target: whether the curvature of vertices may spread over faces; True by default.
     connection_tolerance : float
-        Relative residual of the global connection; 1e-10 by default.
+        Relative residual of the global connection; 1e-6 by default.
     connection_iterations : int
         When it is given up; 5000 by default.
     n : int

@@ -168,7 +168,7 @@ def smoothest_field(surface: Surface, n: int = 4, *, s: float = 0.0, normalise: 
     **options
         Of the connection: connection, detail, length_factor, tan_cap, cones, balance_cones, generator_holonomy,
         loop_index, target, spread, connection_tolerance, connection_iterations, see connect(). Of the eigensolver:
-        tolerance (1e-8), angle_tolerance (degrees, instead), solver, method, max_iterations (1000), seed,
+        angle_tolerance (0.01 degrees), tolerance (a residual, instead), solver, method, max_iterations (1000), seed,
         prove_smallest.
 
     Returns

@@ -87,10 +87,10 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
     area : float
         Of the surface: 1 / area is the scale of eigenvalues.
     tolerance : float
-        Relative residual, 1e-8 by default.
+        Relative residual, instead of the angle.
     angle_tolerance : float
-        Degrees: without a tolerance the solve may end where the angle to the true vector is below this; 0, the default,
-        is off.
+        Degrees, 0.01 by default: without a tolerance the solve may end where the angle to the true vector, or to the
+        nearest of many that are as smooth, is below this; 0: a residual of 1e-8 instead.
     degree : int
         n where u is an n-th power of directions: angles are those of the directions.
     solver, method : str
@@ -109,7 +109,7 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
     report : dict
         solver, converged, iterations, lambda, next (None where it is not established), residual and energy_residual
         (recomputed), distance (of an eigenvalue from lambda, at most), angle and angle_at_vertices (degrees, None where
-        nothing is known), angle_check ('none', 'estimated' or 'bounded'), smallest ('proven', 'searched', 'not checked'
+        nothing is known), angle_check ('none', 'of many', 'estimated' or 'bounded'), smallest ('proven', 'searched', 'not checked'
         or 'refuted'), lower_bound, smallest_note, seconds, message.
     """
     options = given(tolerance=tolerance, angle_tolerance=angle_tolerance, degree=degree, solver=solver, method=method,

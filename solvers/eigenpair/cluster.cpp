@@ -31,7 +31,8 @@ class Cluster {
     Refined first = find_first();
     if (options_.second && first.end == Refined::End::converged) find_second(first);
     const bool enough =
-        first.next_good ? first.sine(options_.floor) <= options_.sine : first.residual <= residual_with_estimate;
+        first.among_equals(options_.sine, options_.floor) ||
+        (first.next_good ? first.sine(options_.floor) <= options_.sine : first.residual <= residual_with_estimate);
     if (options_.sine > 0 && options_.second && first.residual > options_.tolerance && !enough) refine_again(first);
     return first;
   }

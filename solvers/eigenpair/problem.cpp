@@ -170,8 +170,9 @@ void conclude(const EigenProblem& problem, const EigenOptions& options, EigenRes
   if (report.next) report.next = std::max(*report.next, report.lambda);
   report.converged = check.within(options.residual_tolerance());
   if (report.converged) return;
-  report.converged =
-      options.by_angle() && report.next && check.distance <= sine_tolerance(options) * (*report.next - report.lambda);
+  const double many = equally_smooth * std::max(report.lambda, 1 / problem.area);
+  const double gap = std::max(many, report.next.value_or(report.lambda) - report.lambda);
+  report.converged = options.by_angle() && check.distance <= sine_tolerance(options) * gap;
   if (report.converged) return;
   const PairCheck floor = rounding_floor(problem, result.u, check.lambda);
   report.converged = check.residual <= std::max(floor.residual, options.residual_tolerance()) &&

@@ -36,11 +36,14 @@ struct PairCheck {
 
 /// An angle that rests on an estimate of the second eigenvalue is believed where residuals are below this.
 inline constexpr double residual_with_estimate = 1e-6;
+/// Fields whose eigenvalues differ by less than this part of max(lambda, 1/area) count as equally smooth: neither shape
+/// nor mesh are known so well.
+inline constexpr double equally_smooth = 1e-3;
 /// The sine of the angle that options ask for.
 [[nodiscard]] double sine_tolerance(const EigenOptions& options);
 
-/// Fills in what a report says of angles. Exactly one eigenvalue, counted with multiplicity, lies below `above`, which
-/// is known or estimated.
+/// Fills in what a report says of angles: to the space of the eigenvectors whose eigenvalues lie below `above`, which
+/// is that of the smallest alone where `above` is the second eigenvalue, known or estimated.
 void judge_angle(const EigenProblem& problem, const EigenOptions& options, double above, AngleCheck check,
                  EigenResult& result);
 

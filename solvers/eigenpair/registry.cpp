@@ -100,8 +100,8 @@ bool within_tolerance(const EigenReport& report, const EigenOptions& options) {
   const double most = options.residual_tolerance();
   if (report.residual <= most && report.energy_residual <= most) return true;
   if (!options.by_angle() || !report.angle || !(*report.angle <= options.angle_tolerance)) return false;
-  return report.angle_check == AngleCheck::bounded || (report.residual <= detail::residual_with_estimate &&
-                                                       report.energy_residual <= detail::residual_with_estimate);
+  return report.angle_check != AngleCheck::estimated || (report.residual <= detail::residual_with_estimate &&
+                                                         report.energy_residual <= detail::residual_with_estimate);
 }
 
 std::vector<std::string> eigen_solvers() { return methods().names(); }
@@ -133,6 +133,9 @@ EigenResult solve_and_check(const EigenProblem& problem, const EigenOptions& opt
   } else if (report.smallest != Smallest::refuted && approximate && report.lambda == lambda) {
     judge_angle(problem, options, *approximate, AngleCheck::estimated, result);
   }
+  const double many = report.lambda + detail::equally_smooth * std::max(report.lambda, 1 / problem.area);
+  if (report.smallest != Smallest::refuted && (!report.angle || (report.next ? *report.next : *approximate) < many))
+    judge_angle(problem, options, many, AngleCheck::of_many, result);
   return result;
 }
 

@@ -123,11 +123,12 @@ class Refinement {
  private:
   [[nodiscard]] bool small_angle() const {
     if (options_.sine == 0 || options_.member) return false;
-    // Where the second vector is refined afterwards the estimate is looked at again.
-    if (!options_.second && !options_.next_good && residual_ > residual_with_estimate) return false;
     Refined now;
     now.lambda = lambda_;
     now.distance = distance_;
+    if (now.among_equals(options_.sine, options_.floor)) return true;
+    // Where the second vector is refined afterwards the estimate is looked at again.
+    if (!options_.second && !options_.next_good && residual_ > residual_with_estimate) return false;
     now.next = next_;
     now.next_good = options_.next_good;
     return now.sine(options_.floor) <= options_.sine;

@@ -46,6 +46,10 @@ struct Refined {
     const double gap = next_good ? next - next_accuracy * std::max(next, floor) - lambda : gap_part * (next - lambda);
     return gap > 0 ? distance / gap : 1;
   }
+  /// Whether u is within an angle of this sine of the space of vectors that are as smooth.
+  [[nodiscard]] bool among_equals(double sine, double floor) const {
+    return distance <= sine * equally_smooth * std::max(lambda, floor);
+  }
   /// `narrow`: the block was smaller than the cluster, nothing was refined.
   enum class End { converged, limit, stalled, indefinite, narrow } end = End::stalled;
 };

@@ -301,8 +301,9 @@ bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::
                                DesignRun& run) {
   const EigenControls asked = eigen_controls(connected_, controls);
   say("solve");
-  EigenDesignResult result =
-      eigen_design(connected_, asked, {.n = run.design.n, .s = run.design.s, .eigen = {.solver = options_.solver}});
+  EigenDesignResult result = eigen_design(
+      connected_, asked,
+      {.n = run.design.n, .s = run.design.s, .eigen = {.tolerance = options_.residual, .solver = options_.solver}});
   run.times.prepare = result.assembly_seconds;
   run.times.solve = result.eigen_seconds;
   reports = eigen_reports(controls, asked, result);

@@ -143,7 +143,7 @@ TEST_CASE("Curves are written in every format, on the surface, with the reasons 
   const CliFolder folder;
   folder.write("ball.off", icosphere(3));
   for (const char* format : {"json", "obj", "vtp"}) {
-    const CliResult r = folder.run(std::string("field ball.off -n 2 --curve-spacing 0.05 --json --curves c.") + format);
+    const CliResult r = folder.run(std::string("field ball.off -n 2 --curve-spacing 0.03 --json --curves c.") + format);
     REQUIRE(r.exit == 0);
     CHECK(r.json()["files"] == Json::array({std::string("c.") + format}));
   }

@@ -172,7 +172,7 @@ TEST_CASE("iterations do not grow under refinement, at any detail") {
     int before = 0;
     for (const int size : {3, 6}) {
       const Case s(torus_random_diagonals(40 * size, 16 * size, 1, 0.4, 3));
-      const auto c = globally_optimal(s.mesh, s.geometry, {.detail = detail});
+      const auto c = globally_optimal(s.mesh, s.geometry, {.detail = detail, .tolerance = 1e-10});
       CHECK(c.report.converged);
       CHECK(c.report.residual <= 1e-10);
       CHECK(c.report.iterations <= 30 / std::sqrt(detail));

@@ -61,9 +61,10 @@ TEST_CASE("without strokes all paths give the smoothest field, on any connection
   flat.connection = trivial(flat.mesh, flat.geometry, {{0, 1.0}, {5, 0.5}, {100, 0.5}}, {.n = 2});
   for (const Case* s : std::initializer_list<const Case*>{&one, &apart_pieces, &flat})
     for (const int n : {1, 2, 4}) {
-      const SmoothestResult plain = smoothest_field(s->mesh, s->geometry, s->connection, nullptr, {.n = n});
+      const SmoothestResult plain =
+          smoothest_field(s->mesh, s->geometry, s->connection, nullptr, {.n = n, .eigen = {.tolerance = 1e-8}});
       for (const EigenPath path : {EigenPath::automatic, EigenPath::real_view, EigenPath::low_rank}) {
-        const EigenDesignResult result = s->design({}, {.n = n, .path = path});
+        const EigenDesignResult result = s->design({}, {.n = n, .eigen = {.tolerance = 1e-8}, .path = path});
         REQUIRE(result.components.size() == plain.components.size());
         for (std::size_t c = 0; c < plain.components.size(); ++c) {
           const EigenReport& a = result.components[c];

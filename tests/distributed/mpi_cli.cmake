@@ -18,7 +18,7 @@ endfunction()
 set(mpi ${MPIRUN} -n ${RANKS} ${ALCAP_MPI})
 
 run(0 text ${ALCAP} make scan:4 -o mesh.ply)
-run(0 one ${ALCAP} field mesh.ply -n 4 --connection global --json)
+run(0 one ${ALCAP} field mesh.ply -n 4 --connection global --connection-tolerance 1e-10 --tolerance 1e-8 --json)
 run(0 all ${mpi} field mesh.ply -n 4 --gather-below 100 -o out --json)
 
 # same(digits keys...): as many leading digits of a number are the same in both reports.

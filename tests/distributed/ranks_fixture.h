@@ -22,7 +22,7 @@ struct OneMachine {
       : mesh(data.F, data.V.rows()), geometry(mesh, data.V) {
     connection = kind == ConnectionKind::polar   ? polar(mesh, geometry)
                  : kind == ConnectionKind::local ? locally_optimal(mesh, geometry)
-                                                 : globally_optimal(mesh, geometry);
+                                                 : globally_optimal(mesh, geometry, {.tolerance = 1e-10});
     frames = vertex_frames(mesh, data.V, geometry, connection);
     found = smoothest_field(mesh, geometry, connection, nullptr, {.n = n, .s = s, .eigen = {.tolerance = 1e-9}});
     singularities = find_singularities(mesh, geometry, connection, found.field);

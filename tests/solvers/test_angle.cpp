@@ -91,7 +91,7 @@ TEST_CASE("a residual that is asked for is reached, whatever the angle") {
     CHECK(r.report.converged);
     CHECK(true_residual(p, r) <= tolerance);
   }
-  const EigenResult fixed = solved(p, {});
+  const EigenResult fixed = solved(p, {.angle_tolerance = 0});
   CHECK(true_residual(p, fixed) <= 1e-8);
 }
 
@@ -106,13 +106,25 @@ TEST_CASE("a smaller angle is reached, and takes no fewer steps") {
   }
 }
 
-TEST_CASE("where the eigenvalue is multiple there is no angle, and the residual counts") {
+TEST_CASE("where the eigenvalue is multiple the angle is that to the space of its vectors") {
   const Problem p = problem_of(icosphere(4), 1);  // three-fold
-  const EigenResult r = solved(p, {.angle_tolerance = 0.01});
-  CHECK(r.report.converged);
-  CHECK(r.report.residual <= 1e-8);
-  CHECK(!r.report.angle);
-  CHECK(r.report.angle_check == AngleCheck::unknown);
+  const EigenModes exact = eigenpairs(p.S, p.M, p.area, 4, {.tolerance = 1e-12, .method = "lanczos"});
+  REQUIRE(exact.lambda[2] < exact.lambda[0] * (1 + 1e-9));
+  REQUIRE(exact.lambda[3] > exact.lambda[0] * 1.1);
+  const Dense space = exact.U.leftCols(3);
+  for (const char* method : {"lobpcg", "lanczos", "inverse-iteration"})
+    for (const double asked : {1.0, 0.01, 0.001}) {
+      const EigenResult r = solved(p, {.angle_tolerance = asked, .method = method});
+      CHECK(r.report.converged);
+      CHECK(r.report.angle_check == AngleCheck::of_many);
+      CHECK(r.report.angle.value() <= asked);
+      const double inside = (space.adjoint() * (p.M * r.u)).norm();
+      const double off = std::sqrt(std::max(0.0, 1 - inside * inside)) * 180 / pi<double>;
+      CHECK(off <= *r.report.angle + 1e-6);
+    }
+  // Without a second eigenvalue, too: the bound counts on nothing.
+  const EigenResult alone = solved(p, {.angle_tolerance = 0.01, .prove_smallest = Prove::never});
+  CHECK(alone.report.angle_check == AngleCheck::of_many);
 }
 
 TEST_CASE("the distance is the residual in the norm of the inverse mass") {

@@ -302,14 +302,14 @@ void add_eigen_options(cli::App& app, EigenOptions& options) {
       ->check(cli::IsMember(methods))
       ->group("Solver");
   app.add_option("--angle-tolerance", options.angle_tolerance,
-                 "Instead of --tolerance: degrees that directions may be off, as root mean square, by a bound that is "
-                 "checked; 0.01 is quicker and nothing that shows")
+                 "Degrees that directions may be off, as root mean square, by a bound that is checked; 0: a residual "
+                 "of 1e-8 instead")
       ->type_name("DEGREES")
-      ->check(cli::PositiveNumber)
+      ->capture_default_str()
       ->group("Solver");
   app.add_option_function<double>(
          "--tolerance", [&options](const double& x) { options.tolerance = x; },
-         "Relative residual of the eigenvector that is asked for and checked; 1e-8 without it")
+         "Instead: relative residual of the eigenvector that is asked for and checked")
       ->type_name("X")
       ->check(cli::PositiveNumber)
       ->group("Solver");
