@@ -119,6 +119,14 @@ class Handlers {
         answer(response, 500, e.what());
       }
     });
+    add_reading(server);
+    add_editing(server);
+  }
+
+  [[nodiscard]] std::string url() const { return fmt::format("http://127.0.0.1:{}/?t={}", port_, token_); }
+
+ private:
+  void add_reading(httplib::Server& server) {
     server.Get("/", [this](const auto&, auto& response) {
       response.set_content(html_page(Json{{"mode", "studio"}, {"title", options_.title}}), "text/html; charset=utf-8");
     });
@@ -144,6 +152,9 @@ class Handlers {
       attach(response, design_text(session_.state().design), options_.title + ".design.json", "application/json");
     });
     server.Get("/api/export", [this](const auto& request, auto& response) { write(request, response); });
+  }
+
+  void add_editing(httplib::Server& server) {
     server.Post("/api/edit", [this](const auto& request, auto& response) {
       std::optional<std::uint64_t> base;
       if (!request.get_param_value("base").empty()) base = number_in(request, "base");
@@ -170,9 +181,6 @@ class Handlers {
                 [this](const auto& request, auto& response) { state(request, response, session_.redo()); });
   }
 
-  [[nodiscard]] std::string url() const { return fmt::format("http://127.0.0.1:{}/?t={}", port_, token_); }
-
- private:
   static void answer(httplib::Response& response, int status, const std::string& message) {
     response.status = status;
     response.set_content(text_of(Json{{"error", message}}), "application/json");
