@@ -95,8 +95,8 @@ struct GlobalOptions {
   /// Cap of tan(angle opposite the edge), also used at right and obtuse angles. 10 is a corner of 84 degrees; larger
   /// caps change nothing visible and slow the solve several times.
   double tan_cap = 10.0;
-  /// Relative residual of the conjugate gradients. 1e-6 leaves K right to six digits and turns smoothest fields by less
-  /// than 0.001 degrees, 1e-10 leaves K right to ten; float stops at its own rounding.
+  /// Relative residual of the conjugate gradients. 1e-6 leaves K right to six digits, which is more than fields show;
+  /// 1e-10 leaves K right to ten; float stops at its own rounding.
   /// Relative to the start, or, where the start is close to the optimum already (regular solids), to what the rounding
   /// of the angles themselves amounts to.
   double tolerance = 1e-6;
