@@ -127,15 +127,24 @@ EigenResult solve_and_check(const EigenProblem& problem, const EigenOptions& opt
   const double lambda = report.lambda;
   const std::optional<double> approximate = report.next;
   prove_smallest(problem, options, own_method(choose(options, problem.S.rows())), result);
+  // To the nearest of all that are as smooth, unless the second eigenvalue is known to lie beyond them.
+  const double scale = std::max(report.lambda, 1 / problem.area);
+  double above = report.lambda + equally_smooth * scale;
+  AngleCheck check = AngleCheck::of_many;
+  const auto beyond = [&](double second, AngleCheck known) {
+    if (!(second > above)) return;
+    above = second;
+    check = known;
+  };
   if (report.smallest == Smallest::proven && report.next) {
-    judge_angle(problem, options, *report.next - next_accuracy * std::max(*report.next, 1 / problem.area),
-                AngleCheck::bounded, result);
-  } else if (report.smallest != Smallest::refuted && approximate && report.lambda == lambda) {
-    judge_angle(problem, options, *approximate, AngleCheck::estimated, result);
+    beyond(*report.next - next_accuracy * std::max(*report.next, 1 / problem.area), AngleCheck::bounded);
+  } else if (approximate && report.lambda == lambda) {
+    beyond(*approximate, AngleCheck::estimated);
   }
-  const double many = report.lambda + detail::equally_smooth * std::max(report.lambda, 1 / problem.area);
-  if (report.smallest != Smallest::refuted && (!report.angle || (report.next ? *report.next : *approximate) < many))
-    judge_angle(problem, options, many, AngleCheck::of_many, result);
+  report.angle.reset();  // whatever the solver says of it
+  report.angle_at_vertices.reset();
+  report.angle_check = AngleCheck::unknown;
+  if (report.smallest != Smallest::refuted) judge_angle(problem, options, above, check, result);
   return result;
 }
 

@@ -162,6 +162,9 @@ TEST_CASE("an eigensolver from outside is judged by what is recomputed") {
     EigenResult result = boastful(q, options);
     result.report.converged = true;
     result.report.residual = 0;
+    result.report.angle = 0;
+    result.report.angle_at_vertices = 0;
+    result.report.angle_check = AngleCheck::bounded;
     result.report.message = "";
     return result;
   });
@@ -169,6 +172,13 @@ TEST_CASE("an eigensolver from outside is judged by what is recomputed") {
   CHECK(!bad.report.converged);
   CHECK(bad.report.residual > 1e-8);
   CHECK(bad.report.message == "the residual asked for was not reached");
+  for (const Prove prove : {Prove::automatic, Prove::never}) {
+    const EigenResult angled =
+        smallest_eigenpair(p.S, p.M, p.area, {.method = "liar", .max_iterations = 1, .prove_smallest = prove});
+    CHECK(angled.report.angle.value_or(90) > 0.01);
+    CHECK(angled.report.angle_at_vertices.value_or(90) > 0.01);
+    if (prove == Prove::never) CHECK(angled.report.angle_check != AngleCheck::bounded);
+  }
   const MeshData surface = bumpy_sphere(2, 0.3, 5);
   CHECK(!run_field(surface.V, surface.F, {.n = 1, .eigen = {.method = "liar", .max_iterations = 1}})
              .certificate.eigen_converged);
