@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 #
-# run.cmake: runs PROGRAM; fails unless it ends with 0 and its output matches every part of EXPECTED, a "|" between them.
+# run.cmake: runs PROGRAM; fails unless its exit code is 0 and its output matches every part of EXPECTED (separated by "|").
 cmake_minimum_required(VERSION 3.25)
 execute_process(COMMAND ${PROGRAM} OUTPUT_VARIABLE output ERROR_VARIABLE errors RESULT_VARIABLE code)
 message(STATUS "${output}${errors}")

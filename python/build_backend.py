@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""Builds the wheel and the sdist of alcap (PEP 517): CMake builds the module, this file packs it. Needs nothing but
-Python; pybind11, CMake and Ninja are asked for where the machine has none.
+"""Builds the wheel and the sdist of alcap (PEP 517): CMake builds the module, and this file packs it. Needs only Python;
+pybind11, CMake and Ninja are requested if they are not installed.
 
 Config settings (pip: --config-settings=NAME=VALUE):
-- build-dir: build there, and take a build that is there already as it was configured (default: build/python)
-- cmake-args: more arguments for CMake, separated by blanks; those of ALCAP_CMAKE_ARGS in the environment come before
+- build-dir: the build folder; an existing build there is used as it was configured (default: build/python)
+- cmake-args: more arguments for CMake, separated by spaces; those of ALCAP_CMAKE_ARGS in the environment come first
 """
 import base64
 import hashlib

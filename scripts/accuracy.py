@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Writes docs/accuracy.md from measurements: accuracy.py ALCAP FOLDER > accuracy.md
 
-FOLDER has tables.json of `alcap tables --more`. The study of singularities is done here: fields of every connection on
-ten generated meshes, five like CAD models and five like scans, and how salient the places are where singularities land.
-Needs nothing but Python.
+FOLDER contains tables.json from `alcap tables --more`. This script studies where singularities land: it computes fields
+with every connection on ten generated meshes, five like CAD models and five like scans, and the salience of the places.
+Needs only Python.
 """
 import json
 import math

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# Measures everything that docs/accuracy.md says and writes the page: scripts/accuracy.sh [PATH TO alcap]
-# Takes a minute. The numbers do not depend on the machine, up to their last digits.
+# Repeats all measurements of docs/accuracy.md and writes the page: scripts/accuracy.sh [PATH TO alcap]
+# Takes a minute. Except for the last digits, the numbers do not depend on the machine.
 set -eu
 cd "$(dirname "$0")/.."
 alcap=${1:-build/release/apps/alcap/alcap}
 if [ ! -x "$alcap" ]; then
-  echo "scripts/accuracy.sh: $alcap is no program; build it, or give the path to alcap" >&2
+  echo "scripts/accuracy.sh: $alcap is not an executable; build it, or pass the path to alcap" >&2
   exit 2
 fi
 folder=$(mktemp -d)

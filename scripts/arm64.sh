@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: MIT
 #
 # arm64.sh [--targets "T..."] [ctest options]: builds the library and its tests for 64-bit ARM with Debian's cross compiler
-# and runs them under qemu (the quick ones, unless ctest options say otherwise; --targets builds those programs alone).
-# Compares eigenvalues with those of this machine's build (ALCAP_PRESET, release), to 1e-12. Libraries are unpacked into
-# build/arm64-libraries; nothing of the system changes but for the compiler and qemu.
+# and runs the tests under qemu (by default the quick ones). --targets builds only these programs. Compares eigenvalues
+# with those of this machine's build (preset ALCAP_PRESET, default release) to 1e-12. Libraries are unpacked into
+# build/arm64-libraries; on the system, only the compiler and qemu are installed.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then

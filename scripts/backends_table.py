@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
 #
-# backends_table.py PERF_BACKENDS [--faces N] [--degrees 1,4] [--family jittered] [--seconds 120] [--skip-linear]: the
-# tables of docs/backends.md. Every backend that the program knows, on the same matrices, to the same recomputed
-# residual, on one thread, each run in a process of its own. What takes more than --seconds of CPU time is said so.
+# backends_table.py PERF_BACKENDS [--faces N] [--degrees 1,4] [--family jittered] [--seconds 120] [--skip-linear]: prints the
+# tables of docs/backends.md: every backend of the program, on the same matrices, to the same recomputed residual, on one
+# thread, each run in its own process. Runs that take more than --seconds of CPU time are marked.
 import argparse
 import json
 import os

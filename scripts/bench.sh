@@ -4,8 +4,8 @@
 # bench.sh [--quick|--full] [--minutes N] [--sizes LIST] [--threads LIST] [--out FOLDER] [--no-build]: builds the
 # benchmarks and the tool in build/bench, runs them, and writes JSON, tables (Markdown, CSV) and plots (SVG) into FOLDER
 # (default out/bench). --quick: up to 1.31 million triangles (the default). --full: up to 21 million, five repetitions,
-# first the table of targets at all sizes, then all families from small to large. --minutes: the most that a run may take
-# (3 and 360), without building. Sizes are triangles, such as 50000,327680. Needs python3, nothing else to install.
+# first the table of targets at all sizes, then all families from small to large. --minutes: the time limit of the run,
+# without building (default 3, with --full 360). Sizes are triangles, such as 50000,327680. Needs only python3.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 mode=quick minutes='' sizes='' threads='' out=$root/out/bench compile=yes

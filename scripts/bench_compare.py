@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""bench_compare.py OLD.json NEW.json [--relative 0.15] [--absolute 0.005]: what became slower or faster.
+"""bench_compare.py OLD.json NEW.json [--relative 0.15] [--absolute 0.005]: reports what became slower or faster.
 
-A difference counts when it exceeds both thresholds: the fraction of the old time and the seconds. CPU seconds are
-compared unless --wall is given: they say more on a machine that does other things too. Residuals that grew tenfold or are
-no numbers count as well. What one of the files does not have is listed and not judged: it may have been left out for lack
-of time. Exit code 1 when anything got worse.
+A difference counts if it exceeds both thresholds: the fraction of the old time and the seconds. CPU seconds are compared
+unless --wall is given, because they are more reliable on a machine that is also doing other work. Residuals that grew
+tenfold or are not numbers count as well. Results that only one file has are listed but not judged: they may have been
+skipped for lack of time. The exit code is 1 if anything got worse.
 """
 import argparse
 import json

@@ -3,7 +3,7 @@
 import html
 import math
 
-# Okabe and Ito 2008: told apart by colour-blind eyes; further series repeat them with other marks.
+# Okabe and Ito 2008: colour-blind people can distinguish them; further series repeat them with other marks.
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"]
 MARKS = ['<circle cx="{x:.1f}" cy="{y:.1f}" r="4" fill="{c}"/>',
          '<rect x="{l:.1f}" y="{t:.1f}" width="7" height="7" fill="{c}"/>',

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """Runs the benchmark programs and the tool and writes one JSON of all results.
 
-Called by bench.sh. The work is a list of units, one program on one size each, the targets' first. Before a unit starts
-its time and memory are predicted from the same unit on smaller meshes. Where all its repetitions do not fit into what is
-left of the limit it gets as many as fit; what does not fit at all is left out and named, so that nothing is stopped in
-the middle. A program that crashes costs its own numbers only, and results are on disk after every unit.
+Called by bench.sh. The work is a list of units, each one program at one size, those of the targets first. Before a unit
+starts, its time and memory are predicted from the same unit on smaller meshes. If its repetitions do not all fit into the
+remaining time, as many as fit are run; a unit that does not fit at all is skipped and listed, so nothing is stopped in the
+middle. If a program crashes, only its own numbers are missing. Results are saved after every unit.
 """
 import argparse
 import json

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What this project set out to reach, beside what was measured; the table of bench_report.py."""
+"""The project's performance targets, and their table of targets and measured values for bench_report.py."""
 
 # Seconds on two cores, median, and bytes.
 TARGETS = {
@@ -13,7 +13,7 @@ TARGETS = {
 BATCH = 150
 # Assembly of S and M against a parallel copy of their values, and on two threads against one.
 ASSEMBLY_COPIES, ASSEMBLY_SPEEDUP = 2.5, 1.7
-# A linear solve to 1e-8 is setup and so many cycles.
+# A linear solve to 1e-8 is counted as the setup and this many cycles.
 CYCLES = 12
 # The global connection at detail 0.01 against 1.
 DETAIL = 2

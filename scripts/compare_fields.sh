@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# compare_fields.sh OLD NEW [MESH...]: whether two alcap programs write the same fields, to the last bit: ten generated
-# meshes (and those named) at n = 1, 2, 4, 6. Prints what differs; exits with 1 if anything does.
+# compare_fields.sh OLD NEW [MESH...]: checks whether two builds of alcap write bitwise identical fields, for ten generated
+# meshes (and the given ones) at n = 1, 2, 4, 6. Prints the differences; exits with 1 if there are any.
 set -euo pipefail
 case ${1:-} in
   "" | -h | --help) sed -n '4,5s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""coverage.py BUILD ROOT [--throws]: sums what gcov counted in a build with --coverage, as a table of lines per folder.
-With --throws also the lines that throw and were not run. scripts/coverage.sh builds, runs the tests and calls it."""
+"""coverage.py BUILD ROOT [--throws]: prints the line coverage per folder, from gcov's counts in a build with --coverage.
+--throws also lists the lines that throw and were not run. scripts/coverage.sh builds, runs the tests and calls it."""
 import collections
 import concurrent.futures
 import json

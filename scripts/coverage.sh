@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# coverage.sh [--throws] [ctest options]: which lines the tests run, per folder, by gcov. Builds the preset coverage and
-# runs its tests (the quick ones, unless ctest options say otherwise). --throws also lists the lines that throw and did not run.
+# coverage.sh [--throws] [ctest options]: measures line coverage per folder with gcov. Builds the preset coverage and runs its
+# tests (by default the quick ones). --throws also lists the lines that throw and were not run.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 throws=()

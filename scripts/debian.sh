@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# debian.sh [--keep]: builds the Debian packages from a clean tree of the last commit, in build/debian, has lintian look at
-# them, unpacks them into a tree of their own and tries them there: the tool, a program in C++ and one in C, the binary
+# debian.sh [--keep]: builds the Debian packages in build/debian from a clean checkout of the last commit. Checks them with
+# lintian, unpacks them into a separate tree, and tests them there: the tool, a C++ program, a C program, the binary
 # interface of the C library against its record, and Python.
-# --keep: go on in the tree that is there, without cleaning it. About ten minutes on two idle cores.
+# --keep: continue in the existing tree without cleaning it. Takes about ten minutes on two idle cores.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 keep=
@@ -46,7 +46,7 @@ export LD_LIBRARY_PATH=$libraries
 cd "$work"
 "$inside/usr/bin/alcap" make icosphere:3 -o ball.ply -q
 "$inside/usr/bin/alcap" field ball.ply -n 4 --json >field.json
-grep -q '"ok": true' field.json || die "the tool made no field"
+grep -q '"ok": true' field.json || die "the tool computed no field"
 PYTHONPATH=$inside/usr/lib/python3/dist-packages /usr/bin/python3 - <<'PYTHON'
 import importlib.metadata
 

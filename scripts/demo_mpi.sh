@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# demo_mpi.sh [FOLDER] [RANKS]: the mesh and the field of scripts/demo.sh on several MPI ranks of this machine (default: out/mpi
-# of the repository, 2 ranks), a picture of it, and beside it the eigenvalue that one process finds. Installs and builds what
-# it needs.
+# demo_mpi.sh [FOLDER] [RANKS]: computes the field of scripts/demo.sh on several MPI ranks of this machine (default: out/mpi in
+# the repository, 2 ranks), makes a picture of it, and compares the eigenvalue with that of one process. Installs and builds
+# what it needs.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 case ${1:-} in
@@ -18,7 +18,7 @@ install_with glmark2-data "${build_packages[@]}" || true
 try_install libpetsc-complex3.18-dev libslepc-complex3.18-dev openmpi-bin || die "PETSc, SLEPc and Open MPI are needed: $why"
 mesh=/usr/share/glmark2/models/bunny.obj
 if [ ! -r "$mesh" ]; then
-  say "The bunny cannot be had: ${why:-there is no $mesh}"
+  say "The bunny is not available: ${why:-there is no $mesh}"
   mesh=$root/build/bumpy_ball.obj
   echo "   Using a generated closed mesh of about as many triangles instead: $mesh"
   mkdir -p "$root/build"

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# docs.sh [--check] [FOLDER]: builds the site (pages and API reference) into FOLDER (default: build/docs) with Doxygen
-# and Python, without a network. --check: fails on any warning of Doxygen, undocumented public names included, and on
-# what docs_check.py finds: dead links and anchors, files and tests that do not exist, programs that differ from their
+# docs.sh [--check] [FOLDER]: builds the site (pages and API reference) in FOLDER (default: build/docs) with Doxygen and
+# Python. Needs no network. --check: fails on any Doxygen warning, including undocumented public names, and on any problem
+# that docs_check.py finds: dead links and anchors, files and tests that do not exist, programs that differ from their
 # page.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."

@@ -3,14 +3,14 @@
 
 Every .md file of the repository:
 - a relative link leads to a file, its anchor to a heading;
-- a path in `code` that begins with one of our folders exists (* matches within a name).
+- a path in `code` that begins with a folder of the repository exists (* matches within a name).
 docs/notation.md, docs/architecture.md and docs/api.md, per row of a table that names files or links to them:
 - every identifier in `code` occurs in one of these files;
 - a test in "quotes" is the beginning of a TEST_CASE of a test file that the row names.
 docs/recipes.md:
 - the C++ block after a link to examples/NAME.cpp is that file without its first line. --update writes it there.
 
-Prints what is wrong, one line each; the exit code is 1 if anything is.
+Prints one line per problem; the exit code is 1 if there are any.
 """
 import glob
 import os

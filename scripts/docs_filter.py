@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Doxygen's view of a file, on stdout: docs_filter.py FILE.
+"""Input filter of Doxygen: docs_filter.py FILE prints the file as Doxygen needs it.
 
-Pages (.md) are written for any Markdown reader. Doxygen 1.9 makes no anchors from headings and knows pages by name, so
-headings get the anchors that GitHub gives them, and relative links become references. A link to a file that is not part
-of the site keeps its text only.
+Pages (.md) are written for any Markdown reader. Doxygen 1.9 does not create anchors for headings and refers to pages by
+name. So headings get the same anchors as on GitHub, and relative links become references. A link to a file that is not
+part of the site is replaced by its text.
 
-Headers (.h) begin with a comment on what the file is, and explain the fields of options in comments behind them. Both
-become documentation here, so that the headers need no special marks.
+Headers (.h) begin with a comment that describes the file, and explain options in comments behind the fields. This filter
+turns both into documentation, so the headers need no special marks.
 """
 import os
 import re

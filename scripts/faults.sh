@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# faults.sh [allocations|calls|kills]: what the tests of faults try at a few dozen points, at all of them: memory that runs out at
-# every allocation of small runs, every call of the system that fails, 200 kills at random times. About half an hour in all.
+# faults.sh [allocations|calls|kills]: injects faults everywhere, where the tests do so at a few dozen places: makes every
+# allocation of small runs fail, every system call fail, and kills 200 runs at random times. Takes about half an hour.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 case ${1:-all} in

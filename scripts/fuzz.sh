@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# fuzz.sh [--minutes N] [--jobs N] [TARGET...]: builds the fuzz targets with clang, its sanitizers and libFuzzer (--jobs
-# compilers at once), and runs one after the other; they share N minutes (1). What they reach is kept in build/fuzz/corpus,
-# an input that fails as build/fuzz/TARGET-*, what they say in build/fuzz/TARGET.log. A finding ends its target, not the
-# others; then the script fails. At the end a table: executions, edges, processor time.
+# fuzz.sh [--minutes N] [--jobs N] [TARGET...]: builds the fuzz targets with clang, its sanitizers and libFuzzer (--jobs:
+# parallel compilers), and runs them one after the other for N minutes in total (default 1). New inputs are kept in
+# build/fuzz/corpus, failing inputs as build/fuzz/TARGET-*, logs as build/fuzz/TARGET.log. A finding ends its target but not
+# the others; the script then fails. Prints a table at the end: executions, edges, processor time.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 minutes=1

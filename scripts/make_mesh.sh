@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 #
-# make_mesh.sh [N]: a closed, bumpy ball as OBJ on standard output, 8 N^2 triangles (default 93: about as many as
-# the Stanford bunny). An octahedron cut into N^2 triangles a side, blown up to a sphere, with smooth bumps. Needs
-# nothing but awk. For examples and for machines that cannot install a real scan.
+# make_mesh.sh [N]: writes a closed, bumpy ball of 8 N^2 triangles as OBJ to standard output (default 93: about as many as
+# the Stanford bunny). It is an octahedron with N^2 triangles per side, projected to a sphere, with smooth bumps. Needs
+# only awk. For examples, and for machines that cannot install a real scan.
 set -eu
 n=${1:-93}
 case $n in

@@ -4,10 +4,10 @@
 
 notebooks.py [--update] [--html FOLDER] [NAME...]
 
---update writes what they print into the page, and the picture of the first. --html also makes pages of the executed
-notebooks, figures and all, with nbconvert where that is installed. Needs the package alcap in its Python.
-The cells run here one after the other, as plain Python, so that no notebook server is needed; the output of cells
-tagged `timing` is of this machine and not compared. The exit code is 1 where the page says something else.
+--update writes their output to the page, and the picture of the first notebook. --html also converts the executed
+notebooks, including figures, to HTML with nbconvert, if that is installed. Needs the package alcap in its Python.
+The cells are run one after another as plain Python, so no notebook server is needed. The output of cells tagged `timing`
+depends on the machine and is not compared. The exit code is 1 if the output differs from the page.
 """
 import contextlib
 import io

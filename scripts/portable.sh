@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# portable.sh [--quick] [ctest options]: builds with ALCAP_PORTABLE, in build/portable, what other systems get: no POSIX
-# files, no signals, no pictures, no studio. Checks that no such call is left, and runs the test suite there, without the
-# tests of those things, which it names. --quick: some tests of files and the tool alone.
+# portable.sh [--quick] [ctest options]: builds the configuration for other systems (ALCAP_PORTABLE) in build/portable: no
+# POSIX files, no signals, no pictures, no studio. Checks that no such calls remain, and runs the test suite except for the
+# tests of these features, which it lists. --quick: runs only some tests of files and of the tool.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-# Tests of what such a build does not have, and why they are not run. Single cases say so themselves (tests/support/portable.h):
+# Tests of features that this build does not have, and why they are not run. Single cases skip themselves (tests/support/portable.h):
 # pipes, signals, a bound of memory, what a killed run leaves.
 declare -A left_out=(
   [browser]='no studio'
@@ -32,12 +32,12 @@ cmake -S "$root" -B "$folder" -G Ninja -DALCAP_PORTABLE=ON -DCMAKE_BUILD_TYPE=Re
   { tail -n 20 "$log" >&2; die "CMake could not configure"; }
 cmake --build "$folder" -j "$(jobs)" --target "${programs[@]}"
 
-say "No call of the system is left in the library"
+say "Checking that the library makes no system calls"
 calls=$(nm -C --undefined-only "$folder/libalcap.a" | awk '{ print $NF }' |
   grep -xE 'open|open64|fsync|flock|fstat|fstat64|mmap|mmap64|sigaction|signal|fork|kill|poll|dlsym|isatty|usleep|mkstemp|getrlimit' | sort -u || true)
 [ -z "$calls" ] || die "libalcap.a calls" $calls
 ! nm --undefined-only "$folder"/apps/alcap/alcap | grep -E ' (sigaction|signal|dlsym|mmap|eglInitialize)(@|$)' ||
-  die "the tool calls what the lines above say"
+  die "the tool makes the system calls listed above"
 
 say "Tests"
 for name in "${!left_out[@]}"; do echo "   left out: $name (${left_out[$name]})"; done
@@ -48,7 +48,7 @@ trap 'rm -rf "$try"' EXIT
 cd "$try"
 "$folder/apps/alcap/alcap" make icosphere:3 -o ball.ply -q
 "$folder/apps/alcap/alcap" field ball.ply -n 4 -o out --json >out.json
-grep -q '"ok": true' out.json || die "the tool made no field"
+grep -q '"ok": true' out.json || die "the tool computed no field"
 [ -s out/field.ply ] && [ -s out/report.json ] || die "the tool wrote no files"
-! "$folder/apps/alcap/alcap" studio 2>/dev/null || die "there is a studio"
+! "$folder/apps/alcap/alcap" studio 2>/dev/null || die "the studio should not exist in this build"
 say "The portable build works"

@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: MIT
 #
 # python.sh [--fresh] [--build FOLDER] [--work FOLDER] [pytest options]: builds the wheel of the Python package, installs it
-# into a fresh virtual environment that sees Debian's NumPy and SciPy, checks the types, and runs its tests there.
-# --fresh: as a user would from the source archive of the last commit, by one `pip install`. --build: a configured build to
-# take the module from (default: build/python, configured for it). --work: where wheel and environment go (default:
-# build/python-test). ALCAP_CMAKE_ARGS in the environment: more arguments for CMake. Exits with 77 where pybind11, NumPy,
-# SciPy or pytest is missing.
+# in a new virtual environment that uses Debian's NumPy and SciPy, checks the types, and runs the tests there.
+# --fresh: installs from the source archive of the last commit with a single `pip install`. --build: takes the module from
+# this configured build (default: build/python, which is configured if necessary). --work: folder of wheel and environment
+# (default: build/python-test). ALCAP_CMAKE_ARGS in the environment: more arguments for CMake. Exits with 77 if pybind11,
+# NumPy, SciPy or pytest is missing.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 folder='' fresh='' work=$root/build/python-test install=yes

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 #
-# setup.sh: what demo.sh, test.sh and CI share; sourced, not run. Installs missing Debian packages, configures,
-# builds. Needs bash and nothing else to begin with.
+# setup.sh: functions shared by demo.sh, test.sh and CI; sourced, not run. Installs missing Debian packages, configures,
+# and builds. Initially needs only bash.
 #
 #   . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 #   install_packages "${build_packages[@]}"
@@ -53,7 +53,7 @@ try_install() {
   local missing
   why=
   if ! command -v dpkg-query >/dev/null; then
-    echo "   This is not Debian, so nothing is installed. Needed is what these Debian packages hold: $*"
+    echo "   This is not Debian, so nothing is installed. Required are the contents of these Debian packages: $*"
     return 0
   fi
   mapfile -t missing < <(missing_packages "$@")
@@ -67,7 +67,7 @@ try_install() {
   say "Installing ${#missing[@]} Debian packages: ${missing[*]}"
   echo "   fetching the list of packages (details in $log)"
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get update -q -o DPkg::Lock::Timeout=300 </dev/null >"$log" 2>&1; then
-    echo "   the list of packages could not be fetched whole; trying with what there is"
+    echo "   the list of packages could not be fetched completely; trying with what is there"
   fi
   echo "   downloading and unpacking; on a bare machine this takes a few minutes"
   if ! as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends \
@@ -120,7 +120,7 @@ build() {
       die "CMake could not configure; its messages are above." "If build/$preset is from another machine, delete it."
     fi
   fi
-  say "Building with $(jobs) at a time"
+  say "Building with $(jobs) parallel jobs"
   cmake --build "$folder" -j "$(jobs)" ${target[@]+"${target[@]}"} ||
     die "the build failed; the compiler's message is above."
   echo "   built in $((SECONDS - started)) s"

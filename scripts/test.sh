@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# test.sh [--preset NAME] [ctest options]: installs what is missing, builds everything, runs every test.
+# test.sh [--preset NAME] [ctest options]: installs missing packages, builds everything, and runs every test.
 # Presets: release (default), dev, asan, tsan, ci. Example: scripts/test.sh --preset asan -R mesh
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
@@ -15,8 +15,8 @@ while [ $# -gt 0 ]; do
 done
 
 # The Python package and the leaks of the C interface have tests of their own, skipped where these cannot be had.
-try_install valgrind || say "WARNING: the C interface will not be looked at for leaks: $why"
-try_install abigail-tools || say "WARNING: the binary interface of the C library will be compared by functions and sizes alone: $why"
+try_install valgrind || say "WARNING: the C interface will not be checked for leaks: $why"
+try_install abigail-tools || say "WARNING: the binary interface of the C library will be compared only by functions and sizes: $why"
 try_install "${python_packages[@]}" || say "WARNING: the Python package will not be built and tested: $why"
 try_install "${notebook_packages[@]}" || say "WARNING: the notebooks will not be run in a kernel: $why"
 # VTK reads our VTP files back. It is large, so a machine that cannot have it skips that one test, and says so.

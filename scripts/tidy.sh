@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# tidy.sh [--all]: runs clang-tidy on the sources that changed since the branch left main (on main: since the commit
-# before), committed or not; a changed header through the sources that include it. --all, or no history: every source.
-# ALCAP_BASE=REVISION compares with that one.
+# tidy.sh [--all]: runs clang-tidy on the sources that changed since the branch left main (on main: since the previous
+# commit), committed or not. A changed header is checked through the sources that include it. --all, or without history:
+# every source. ALCAP_BASE=REVISION: compare with this revision instead.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 cd "$root"
 case ${1:-} in
@@ -12,7 +12,7 @@ case ${1:-} in
   *) die "unknown option $1; tidy.sh takes --all or nothing." ;;
 esac
 
-# Only the code that is shipped, and compiled here: src/base/portable/ is what a portable build has in its place.
+# Only the code that is shipped, and compiled here: src/base/portable/ is what a portable build uses instead.
 sources() { git ls-files -- 'src/*.cpp' 'solvers/*.cpp' 'apps/*.cpp' ':!src/base/portable/*'; }
 
 # The commit to compare with; fails where there is none.
