@@ -7,7 +7,7 @@
 
 namespace {
 
-/// A box of 2 x 2 x 2, each side of size x size squares, as a soup of triangles.
+/// A box of 2 x 2 x 2 with size x size squares per side, as a triangle soup.
 alcap::MeshData box_soup(int size) {
   const Eigen::Index corners = 6 * Eigen::Index{size} * size * 4;
   alcap::MeshData soup{alcap::Positions<double>(corners, 3), alcap::Faces(corners / 2, 3)};
@@ -38,7 +38,7 @@ int main() {
   box.F = alcap::repair_weld(box.V, box.F);  // faces share the vertices at equal positions
   const alcap::Surface surface(box.V, box.F);
 
-  const alcap::FeatureGraph creases = alcap::sharp_edges(surface);  // edges that fold by 40 degrees and more
+  const alcap::FeatureGraph creases = alcap::sharp_edges(surface);  // edges that fold by at least 40 degrees
   const auto corners = std::count(creases.vertices.begin(), creases.vertices.end(), alcap::FeatureVertex::corner);
   std::cout << creases.lines.size() << " sharp lines, " << corners << " corners\n";
 

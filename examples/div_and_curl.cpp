@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Divergence and curl of vectors of your own: the unit sphere turning about the z axis has divergence 0 and curl 2 z.
+// Divergence and curl of your own vectors: the unit sphere turning about the z axis has divergence 0 and curl 2 z.
 #include <alcap/alcap.h>
 
 #include <algorithm>
@@ -10,7 +10,7 @@ int main() {
   const alcap::MeshData sphere = alcap::icosphere(5);
   const alcap::ConnectedSurface surface = alcap::connect(alcap::Surface(sphere.V, sphere.F));
 
-  alcap::Positions<double> vectors(sphere.V.rows(), 3);  // one vector a vertex, in space
+  alcap::Positions<double> vectors(sphere.V.rows(), 3);  // one vector per vertex, in space
   for (Eigen::Index v = 0; v < vectors.rows(); ++v) vectors.row(v) << -sphere.V(v, 1), sphere.V(v, 0), 0;
 
   const alcap::Field field = alcap::from_vectors(1, vectors, surface.frames());  // projected to the tangent planes

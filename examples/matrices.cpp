@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Stiffness S and mass M as Eigen matrices, for a solver of your own: here inverse iteration with Eigen's LDLT.
+// Stiffness S and mass M as Eigen matrices, for your own solver: here inverse iteration with Eigen's LDLT.
 #include <alcap/alcap.h>
 
 #include <Eigen/SparseCholesky>
@@ -17,7 +17,7 @@ int main() {
     u = solver.solve(M * u);
     u /= std::sqrt(u.dot(M * u).real());
   }
-  const double energy = u.dot(S * u).real();  // the integral of |grad u|^2, with that of |u|^2 equal to 1
+  const double energy = u.dot(S * u).real();  // the integral of |grad u|^2, where |u|^2 has integral 1
   std::cout << "smallest eigenvalue by hand: " << energy << "\n";
 
   // u is the n-th power of the field, in the frames of the vertices.

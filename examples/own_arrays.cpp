@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// From arrays of your own to a cross field: float points and unsigned indices in std::vector, three numbers a row.
+// From your own arrays to a cross field: float points and unsigned indices in std::vector, three numbers per row.
 #include <alcap/alcap.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ int main() {
     }
   }
 
-  // The arrays are read once, checked and copied; an index that is wrong is named.
+  // The arrays are checked and copied once; an invalid index is an error that names it.
   const alcap::FieldRun run = alcap::run_field(points, triangles, {.n = 4});
   const alcap::Positions<double> first = run.field.vectors(0);  // #V x 3: one of the four directions at each vertex
   const alcap::Positions<double> second = run.field.vectors(1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A linear solver of your own, under a name of its own: here Eigen's LLT. It then works wherever a name does.
+// Your own linear solver, registered under a name: here Eigen's LLT. It then works wherever alcap takes a name.
 #include <alcap/alcap.h>
 
 #include <Eigen/SparseCholesky>

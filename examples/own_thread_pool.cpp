@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Many small meshes on threads of your own: one alcap::Context per thread computes on that thread alone.
+// Many small meshes on your own threads: one alcap::Context per thread computes only on that thread.
 #include <alcap/alcap.h>
 
 #include <atomic>
@@ -25,7 +25,7 @@ int main() {
   for (int t = 0; t < 4; ++t) pool.emplace_back(work);
   for (std::thread& thread : pool) thread.join();
 
-  // A context gives what run_field() gives, to the last bit.
+  // A context gives the same result as run_field(), to the last bit.
   bool same = true;
   for (std::size_t i = 0; i < meshes.size(); ++i)
     same = same && lambda[i] == alcap::run_field(meshes[i].V, meshes[i].F, {.n = 4, .threads = 1}).eigen[0].lambda;

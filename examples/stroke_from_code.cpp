@@ -20,7 +20,7 @@ int main() {
   alcap::DesignResult design = designer.solve();
   std::cout << "weight 1: " << design.controls[0].error_degrees << " degrees off on average\n";
 
-  // A heavier stroke is followed closer. Nothing is assembled or factorised again.
+  // With more weight the field follows the stroke more closely. Nothing is assembled or factorised again.
   designer.set(id, alcap::Stroke{.weight = 10, .line = alcap::stroke_from_space(surface, circle)});
   design = designer.solve();
   std::cout << "weight 10: " << design.controls[0].error_degrees << " degrees\n"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Parallel transport of a vector around an eighth of the unit sphere: it comes back turned by the area, a right angle.
+// Parallel transport of a vector around an eighth of the unit sphere: it comes back rotated by the area, a right angle.
 #include <alcap/alcap.h>
 
 #include <cmath>
