@@ -353,18 +353,18 @@ def page(report, details, rows):
         'bumpy one. Smaller detail is for ignoring small bumps, not for accuracy.\n')
 
     say('## Where singularities land (Fig. 9)\n')
-    say('Cross fields on ten generated meshes. The salience of a vertex is the rank of its curvature among all vertices, from '
-        '0 to 100. The\ncurvature is the sum of the angle defects around the vertex, with a hat-shaped weight over '
-        f'{EDGE_LENGTHS} edge lengths. Each cell gives\nthe number of singularities and the mean salience of their faces.\n')
+    say('Cross fields on ten generated meshes. The salience of a vertex is the rank (0 to 100) of its curvature among all\n'
+        'vertices. The curvature is the sum of the angle defects around the vertex, with a hat-shaped weight over '
+        f'{EDGE_LENGTHS} edge\nlengths. Each cell gives the number of singularities and the mean salience of their faces.\n')
     body = [[kind, name, f'{faces:,}', *(f'{count}, {value:.1f}' for count, value in cells)]
             for kind, name, faces, cells in rows]
     say(table(['kind', 'mesh', 'faces', *(name for name, _ in CONNECTIONS)], body))
     better = sum(1 for r in rows if r[3][2][1] > r[3][0][1] + 0.5)
     worse = sum(1 for r in rows if r[3][2][1] < r[3][0][1] - 0.5)
     means = [sum(r[3][k][1] for r in rows) / len(rows) for k in range(len(CONNECTIONS))]
-    say(f'Compared with the polar map, the singularities of the global connection land at more salient places (by more than half a\n'
-        f'rank) on {better} of the ten meshes, at less salient ones on {worse}, and at equally salient ones on '
-        f'{len(rows) - better - worse}. Means: '
+    say('Compared with the polar map, the singularities of the global connection land at more salient places (by more than '
+        f'half a\nrank) on {better} of the ten meshes, at less salient ones on {worse}, and at equally salient ones on '
+        f'{len(rows) - better - worse}.\nMeans: '
         + ', '.join(f'{name} {m:.1f}' for (name, _), m in zip(CONNECTIONS, means)) + '.\n')
     return '\n'.join(out)
 
