@@ -61,6 +61,8 @@ struct CurveSet {
   std::vector<CurveEnd> start_reason, end_reason;  ///< #curves
   /// False when StreamlineOptions::max_points was used up before everything asked for was traced.
   bool complete = true;
+  double spacing = 0;  ///< evenly spaced curves: what was asked for, in box diagonals; 0: others
+  int n = 0;           ///< evenly spaced curves: degree of the field that they follow; 0: others
 
   /// How many curves.
   [[nodiscard]] std::int64_t size() const { return static_cast<std::int64_t>(offsets.size()) - 1; }
@@ -104,6 +106,9 @@ struct StreamlineOptions {
   double tolerance = 1e-6;
   /// A curve ends within this distance of a zero, in mean edge lengths: not visible, and far from rounding.
   double singularity_radius = 0.01;
+  /// update_streamlines() keeps what the field is still within so many degrees of: a tenth of the spacing over ten
+  /// spacings of length, which nobody sees. In [0, 45].
+  double drift = 0.5;
   CurveSides sides = CurveSides::both;  // of trace_curves(): streamlines run both ways
   std::int64_t max_curves = 1'000'000;  // of streamlines(): a bound on memory when `spacing` is too small for the mesh
   /// Points (and steps between them) of all curves together, a bound on time and memory where thin faces make curves
@@ -121,6 +126,14 @@ struct StreamlineOptions {
 /// options, sizes that do not match, values that are not finite, and on a surface that lies in no space.
 [[nodiscard]] CurveSet streamlines(const ConnectedSurface& surface, const Field& field,
                                    const StreamlineOptions& options = {});
+
+/// The same after the field has changed a little, or only somewhere: what still follows it of the curves that an earlier
+/// call returned is taken over as it is and goes on where it was cut, and only the room that is left is filled, which
+/// costs what the change does. The earlier curves may be further apart; then they are refined. Which curves there are
+/// depends on the earlier ones. What is said of them does not: they follow the field, to within `drift`, and keep their
+/// distance. Throws OptionError as above, and for earlier curves that are not of this surface.
+[[nodiscard]] CurveSet update_streamlines(const ConnectedSurface& surface, const Field& field, const CurveSet& earlier,
+                                          const StreamlineOptions& options = {});
 
 /// One curve per seed, in order, whatever the distances. A curve whose seed lies at a zero of the field has this one
 /// point. Throws OptionError as above, and naming the seed when it is not a point of the surface.

@@ -34,11 +34,15 @@ def stroke_from_space(surface: Surface, points: npt.ArrayLike) -> Polyline:
     return _alcap.stroke_from_space(surface, points)
 
 
-def streamlines(surface: ConnectedSurface, field: Field, *, progress: Progress = None, **options: Any) -> CurveSet:
+def streamlines(surface: ConnectedSurface, field: Field, *, earlier: Optional[CurveSet] = None,
+                progress: Progress = None, **options: Any) -> CurveSet:
     """Evenly spaced integral curves of all families.
 
     Parameters
     ----------
+    earlier : CurveSet, optional
+        Curves of the field before it changed, or further apart: what still follows this one, to within drift (0.5)
+        degrees, is kept, and only the room that is left is filled.
     **options
         In diagonals of the box around the mesh: spacing (0.01), min_length (0.02), max_length (5). separation (0.5, a
         fraction of spacing), tolerance (1e-6), singularity_radius (0.01), max_curves, max_points.
@@ -47,7 +51,7 @@ def streamlines(surface: ConnectedSurface, field: Field, *, progress: Progress =
     -------
     CurveSet
     """
-    return _alcap.streamlines(surface, field, options, progress)
+    return _alcap.streamlines(surface, field, options, progress, earlier)
 
 
 def trace_curves(surface: ConnectedSurface, field: Field, faces: npt.ArrayLike, barycentric: npt.ArrayLike,

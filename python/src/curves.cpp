@@ -55,6 +55,7 @@ struct CurveChoice {
     if (name == "max_length") return &options.max_length;
     if (name == "tolerance") return &options.tolerance;
     if (name == "singularity_radius") return &options.singularity_radius;
+    if (name == "drift") return &options.drift;
     return nullptr;
   }
 };
@@ -181,11 +182,13 @@ void bind_curves(py::module_& m) {
   PYBIND11_NUMPY_DTYPE(SurfaceSegment, face, a, b, tangent, length);
   bind_sets(m);
   bind_lines(m);
-  m.def("streamlines",
-        [](const ConnectedSurface& s, const Field& f, const py::dict& options, const py::object& progress) {
-          const CurveChoice how(options);
-          return handle(watched(progress, 0, [&] { return streamlines(s, f, how.options); }));
-        });
+  m.def("streamlines", [](const ConnectedSurface& s, const Field& f, const py::dict& options,
+                          const py::object& progress, const Curves& earlier) {
+    const CurveChoice how(options);
+    return handle(watched(progress, 0, [&] {
+      return earlier ? update_streamlines(s, f, *earlier, how.options) : streamlines(s, f, how.options);
+    }));
+  });
   m.def("trace_curves",
         [](const ConnectedSurface& s, const Field& f, const py::object& faces, const py::object& barycentric,
            const py::object& angles, const py::dict& options, const py::object& progress) {

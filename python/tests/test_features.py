@@ -299,6 +299,8 @@ def test_points_of_curves_make_lines(bumpy):
     k = max(range(len(curves)), key=curves.length)
     line = alcap.polyline_through(bumpy, *curves.path(k))
     assert curves.complete and line.length == pytest.approx(curves.length(k), rel=1e-9)
+    again = alcap.streamlines(run.connection, run.field, spacing=0.05, earlier=curves)
+    assert len(set(map(tuple, curves.points)) & set(map(tuple, again.points))) > 0.95 * len(curves.points)
     one = alcap.transport_along_points(run.connection, *curves.path(k), 1.0)
     assert one.z == pytest.approx(alcap.transport_along_curve(run.connection, curves, k, 1.0).z)
 

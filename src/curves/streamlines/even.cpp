@@ -4,6 +4,9 @@
 // curves that are there, at the distance of the spacing. Every round takes at most one seed from each side of the
 // oldest curves, traces all of them in parallel against the curves that are there, and accepts them in order, cut where
 // an earlier one of the same round is in the way.
+//
+// After a change of the field, what still follows it of the earlier curves is there from the start, and goes on where
+// it was cut. Room for more is then only where something went.
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <deque>
@@ -18,6 +21,7 @@
 #include "src/base/parallel.h"
 #include "src/curves/streamlines/curves.h"
 #include "src/curves/streamlines/grid.h"
+#include "src/curves/streamlines/reuse.h"
 
 namespace alcap::detail {
 namespace {
@@ -31,6 +35,8 @@ constexpr std::size_t seed_stride = 2;  // samples from one place of seeds to th
 constexpr double own_past = 3;          // smallest distances: so much of its own past a curve is always close to
 constexpr double closing = 0.1;         // of the smallest distance: a curve that passes its start closer is closed
 constexpr double same_direction = 0.9;  // cosine
+constexpr double shortest_kept = 4;     // spacings: shorter parts of earlier curves would be crumbs
+constexpr double around_changes = 2;    // spacings: so close to what went, a curve may have room beside it
 
 /// A point of a curve, where it is on the surface.
 struct Station {
@@ -60,6 +66,15 @@ struct Draft {
   std::vector<Station> ahead, behind;  // stations of the two halves; the seed is the first one ahead
 };
 
+/// What is left of an earlier curve.
+struct Kept {
+  Path path;
+  std::vector<Station> stations;
+  SurfacePoint start;  // as the first segment sees it
+  Cplx v_start, v_end;
+  CurveEnd start_reason, end_reason;  // separation: it may go on
+};
+
 class EvenlySpaced {
  public:
   EvenlySpaced(const Flow& flow, const StreamlineOptions& options)
@@ -73,12 +88,15 @@ class EvenlySpaced {
         budget_(flow, options, samples_of(flow, options),
                 2 * options.max_length / (options.spacing * sample_step(options))),
         all_(spacing_),
-        round_(spacing_) {
+        round_(spacing_),
+        gone_(around_changes * spacing_) {
     limits_.sample_step = sample_step(options) * spacing_;
     limits_.close_within = closing * closest_;
   }
 
-  std::vector<Curve> run(bool& complete) {
+  std::vector<Curve> run(const CurveSet* earlier, bool& complete) {
+    if (earlier != nullptr) take_over(*earlier);
+    grow();
     trace_all();
     complete = !budget_.used_up();
     return std::move(curves_);
@@ -106,7 +124,9 @@ class EvenlySpaced {
           static_cast<std::int64_t>(seeds.size()),
           [&](std::int64_t k) {
             const std::int64_t i = first + k;
-            seeds[at(k)] = middle(static_cast<Index>(i / families_ * stride), static_cast<int>(i % families_));
+            const auto t = static_cast<Index>(i / families_ * stride);
+            if (may_have_room(flow_.position(t, {1.0 / 3, 1.0 / 3, 1.0 / 3})))
+              seeds[at(k)] = middle(t, static_cast<int>(i % families_));
           },
           64);
       for (const std::optional<Seed>& seed : seeds) {
@@ -292,7 +312,172 @@ class EvenlySpaced {
       all_.insert(s.sample);
       round_.insert(s.sample);
     }
+    add_sides(stations);
+  }
+  void add_sides(const std::shared_ptr<const std::vector<Station>>& stations) {
     for (const double turn : {1.0, -1.0}) sides_.push_back({stations, turn});
+  }
+
+  // ---- earlier curves
+
+  /// Where the earlier curves left no room, and all of them are still there, there is none.
+  [[nodiscard]] bool may_have_room(const Eigen::RowVector3d& x) const {
+    return anywhere_ || gone_.any_near(x, around_changes * spacing_, [](const CurveSample&) { return true; });
+  }
+
+  /// Curves further apart than they are to be leave room between them, closer ones are no use.
+  void take_over(const CurveSet& earlier) {
+    if (!(earlier.spacing >= options_.spacing * (1 - 1e-9))) return;
+    anywhere_ = !earlier.complete || earlier.spacing > options_.spacing * (1 + 1e-9) || earlier.n != flow_.n();
+    const double shortest = std::max(options_.min_length * flow_.diagonal(), shortest_kept * spacing_);
+    const Reuse reuse = still_followed(flow_, earlier, options_.drift, shortest);
+    std::vector<Kept> kept(reuse.runs.size());
+    parallel_for(
+        count_of(kept), [&](std::int64_t k) { kept[at(k)] = kept_run(earlier, reuse, k); }, 1);
+    if (!anywhere_) note_gone(earlier, reuse);
+    for (const Kept& k : kept) {
+      for (const Station& s : k.stations) all_.insert(s.sample);
+      budget_.spend(count_of(k.path.points));
+    }
+    for (std::size_t first = 0; first < kept.size() && !full(); first += batch_size)
+      go_on(first, {kept.data() + first, std::min(batch_size, kept.size() - first)});
+  }
+
+  /// Samples of a segment of an earlier curve that begins at the arc length `from`; `next` is that of the next one.
+  template <class Visit>
+  void sample_segment(const CurveSet& earlier, const Cplx& v, std::int64_t i, double from, double length, double& next,
+                      Visit&& visit) const {
+    if (next > from + length) return;
+    const Index t = earlier.faces[at(i)];
+    const FaceChart chart = flow_.chart(t);
+    const Barycentric end{earlier.barycentric(i, 0), earlier.barycentric(i, 1), earlier.barycentric(i, 2)};
+    for (; next <= from + length; next += limits_.sample_step) {
+      const Barycentric b = clamped(chart.moved(end, -(from + length - next) * v));
+      visit(Station{{t, b}, v, next, sample(chart, b, v, next)});
+    }
+  }
+
+  void note_gone(const CurveSet& earlier, const Reuse& reuse) {
+    for (std::int64_t k = 0; k < earlier.size(); ++k) {
+      double arc = 0, next = 0;
+      for (std::int64_t i = earlier.offsets[at(k)] + 1; i < earlier.offsets[at(k) + 1]; ++i) {
+        const double length = (earlier.points.row(i) - earlier.points.row(i - 1)).norm();
+        if (reuse.kept[at(i)] == 0)
+          sample_segment(earlier, reuse.directions[at(i)], i, arc, length, next,
+                         [&](const Station& s) { gone_.insert(s.sample); });
+        arc += length;
+        next = std::max(next, arc);
+      }
+    }
+  }
+
+  [[nodiscard]] Kept kept_run(const CurveSet& earlier, const Reuse& reuse, std::int64_t number) const {
+    const KeptRun& run = reuse.runs[at(number)];
+    const auto point = [&](std::int64_t i) {
+      return SurfacePoint{earlier.faces[at(i)],
+                          {earlier.barycentric(i, 0), earlier.barycentric(i, 1), earlier.barycentric(i, 2)}};
+    };
+    Kept out;
+    out.start = point(run.first + 1);
+    const FaceChart chart = flow_.chart(out.start.face);
+    const double step = (earlier.points.row(run.first + 1) - earlier.points.row(run.first)).norm();
+    out.start.barycentric = clamped(chart.moved(out.start.barycentric, -step * reuse.directions[at(run.first + 1)]));
+    if (earlier.faces[at(run.first)] == out.start.face) out.start = point(run.first);
+    out.path.points.push_back({out.start.face, out.start.barycentric, out.start.face, out.start.barycentric, 0});
+    double arc = 0, next = 0;
+    for (std::int64_t i = run.first + 1; i <= run.last; ++i) {
+      const double length = (earlier.points.row(i) - earlier.points.row(i - 1)).norm();
+      sample_segment(earlier, reuse.directions[at(i)], i, arc, length, next, [&](Station s) {
+        s.sample.curve = number;
+        out.stations.push_back(s);
+      });
+      const SurfacePoint p = point(i);
+      out.path.points.push_back({p.face, p.barycentric, p.face, p.barycentric, arc += length});
+    }
+    out.v_start = reuse.directions[at(run.first + 1)];
+    out.v_end = reuse.directions[at(run.last)];
+    out.start_reason = run.open_start ? CurveEnd::separation : earlier.start_reason[run.curve];
+    out.end_reason = run.open_end ? CurveEnd::separation : earlier.end_reason[run.curve];
+    out.path.end = out.end_reason;
+    return out;
+  }
+
+  /// On from one end of what is left of a curve, as far as it may.
+  [[nodiscard]] Path beyond(const Kept& kept, std::int64_t number, int sign, SampleGrid& own,
+                            std::vector<Station>& stations) const {
+    const double length = kept.path.length();
+    bool refused = false;
+    const Guard guard = [&](const FaceChart& chart, const Barycentric& b, const Cplx& v, double arc) {
+      CurveSample here = sample(chart, b, v, sign > 0 ? length + arc : -arc);
+      here.curve = number;
+      const auto in_the_way = [&](const CurveSample& s) {
+        return related(here, s) && !(s.curve == number && std::abs(s.arc - here.arc) < own_past * closest_);
+      };
+      refused = all_.any_near(here.x, closest_, in_the_way) || own.any_near(here.x, closest_, in_the_way);
+      if (refused) return false;
+      own.insert(here);
+      if (arc > 0) stations.push_back({{chart.face, b}, v, arc, here});
+      return true;
+    };
+    PathLimits limits = limits_;
+    limits.length = std::min(limits.length, 2 * limits.length - length);
+    const PathPoint& last = kept.path.points.back();
+    const SurfacePoint from = sign > 0 ? SurfacePoint{last.face, last.b} : kept.start;
+    Path path;
+    if (limits.length > 0) path = trace_path(flow_, from, sign > 0 ? kept.v_end : -kept.v_start, sign, limits, guard);
+    if (path.points.empty()) path.points.push_back({from.face, from.barycentric, from.face, from.barycentric, 0});
+    if (refused) path.end = CurveEnd::separation;
+    if (refused || path.end == CurveEnd::budget) cut(path, stations.empty() ? 0 : stations.back().arc);
+    return path;
+  }
+
+  /// Lets the ends of a few earlier curves go on, and accepts them.
+  void go_on(std::size_t number, std::span<const Kept> all) {
+    std::vector<Draft> drafts(all.size());
+    limits_.work = budget_.each_of(2 * count_of(all));
+    parallel_for(
+        count_of(all),
+        [&](std::int64_t k) {
+          const Kept& kept = all[at(k)];
+          Draft& d = drafts[at(k)];
+          SampleGrid own(spacing_);
+          const auto id = static_cast<std::int64_t>(number) + k;
+          if (kept.end_reason == CurveEnd::separation) d.forward = beyond(kept, id, 1, own, d.ahead);
+          if (kept.start_reason == CurveEnd::separation) d.backward = beyond(kept, id, -1, own, d.behind);
+        },
+        1);
+    round_.clear();
+    for (std::size_t k = 0; k < drafts.size(); ++k) {
+      budget_.spend(drafts[k].forward.work + drafts[k].backward.work);
+      if (count_of(curves_) < options_.max_curves) accept(all[k], drafts[k]);
+    }
+  }
+
+  void accept(const Kept& kept, Draft& d) {
+    cut_for_round(d.forward, d.ahead);
+    cut_for_round(d.backward, d.behind);
+    Path whole = kept.path;
+    for (std::size_t k = 1; k < d.forward.points.size(); ++k) {
+      whole.points.push_back(d.forward.points[k]);
+      whole.points.back().arc += kept.path.length();
+    }
+    Curve curve = join(whole, d.backward);
+    curve.start = d.backward.points.empty() ? kept.start_reason : d.backward.end;
+    curve.end = d.forward.points.empty() ? kept.end_reason : d.forward.end;
+    curves_.push_back(std::move(curve));
+    auto stations = std::make_shared<std::vector<Station>>();
+    const auto add = [&](const Station& s) {
+      if (may_have_room(s.sample.x)) stations->push_back(s);
+    };
+    for (const std::vector<Station>* part : {&d.behind, &d.ahead})
+      for (const Station& s : *part) {
+        all_.insert(s.sample);
+        round_.insert(s.sample);
+      }
+    std::for_each(d.behind.rbegin(), d.behind.rend(), add);
+    std::for_each(kept.stations.begin(), kept.stations.end(), add);
+    std::for_each(d.ahead.begin(), d.ahead.end(), add);
+    if (!stations->empty()) add_sides(stations);
   }
 
   const Flow& flow_;
@@ -303,6 +488,8 @@ class EvenlySpaced {
   PathLimits limits_;
   CurveBudget budget_;
   SampleGrid all_, round_;
+  SampleGrid gone_;       // samples of what is left out of the earlier curves
+  bool anywhere_ = true;  // there may be room where nothing has gone
   std::deque<Side> sides_;
   std::vector<Curve> curves_;
 };
@@ -312,17 +499,33 @@ class EvenlySpaced {
 
 namespace alcap {
 
-CurveSet streamlines(const ConnectedSurface& surface, const Field& field, const StreamlineOptions& options) {
+namespace {
+
+CurveSet even_curves(const ConnectedSurface& surface, const Field& field, const CurveSet* earlier,
+                     const StreamlineOptions& options) {
   detail::check(options);
   return controlled(options.control, [&] {
     detail::report_phase("curves");
     detail::Flow flow(surface, field);
     flow.keep_charts();
     bool complete = true;
-    CurveSet set = detail::collect(flow, detail::EvenlySpaced(flow, options).run(complete));
+    CurveSet set = detail::collect(flow, detail::EvenlySpaced(flow, options).run(earlier, complete));
     set.complete = set.complete && complete;
+    set.spacing = options.spacing;
+    set.n = field.n;
     return set;
   });
+}
+
+}  // namespace
+
+CurveSet streamlines(const ConnectedSurface& surface, const Field& field, const StreamlineOptions& options) {
+  return even_curves(surface, field, nullptr, options);
+}
+
+CurveSet update_streamlines(const ConnectedSurface& surface, const Field& field, const CurveSet& earlier,
+                            const StreamlineOptions& options) {
+  return even_curves(surface, field, &earlier, options);
 }
 
 }  // namespace alcap

@@ -17,6 +17,7 @@ namespace alcap::detail {
 struct CurveSample {
   Eigen::RowVector3d x, direction, normal;
   double arc = 0;
+  std::int64_t curve = -1;  ///< number of a curve that is taken over from an earlier set; -1: another one
 };
 
 /// A hashed grid of cubes. Queries are const, fit for several threads.

@@ -24,6 +24,7 @@ void check(const StreamlineOptions& o) {
   if (!(o.tolerance >= 1e-12 && o.tolerance <= 0.1)) bad("tolerance", o.tolerance, "must be in [1e-12, 0.1]");
   if (!(o.singularity_radius >= 1e-6 && o.singularity_radius <= 1))
     bad("singularity_radius", o.singularity_radius, "must be in [1e-6, 1] mean edge lengths");
+  if (!(o.drift >= 0 && o.drift <= 45)) bad("drift", o.drift, "must be in [0, 45] degrees");
   if (o.max_curves < 1) throw OptionError("max_curves", o.max_curves, "must be at least 1");
   if (o.max_points < 0)
     throw OptionError("max_points", o.max_points, "must be at least 1, or 0 for a part of the mesh");
@@ -134,6 +135,10 @@ std::vector<SurfacePoint> CurveSet::path(std::int64_t k) const {
 }
 
 void CurveSet::append(const CurveSet& other) {
+  if (size() > 0 && (spacing != other.spacing || n != other.n)) {
+    spacing = 0;
+    n = 0;
+  }
   const std::int64_t base = offsets.back();
   for (std::int64_t k = 1; k <= other.size(); ++k) offsets.push_back(base + other.offsets[detail::at(k)]);
   const auto below = [](Positions<double>& a, const Positions<double>& b) {
