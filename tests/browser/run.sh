@@ -32,4 +32,4 @@ fi
 # node looks for packages beside the script.
 cp "$here"/*.mjs "$work"
 cd "$work"
-ALCAP=$alcap CHROMIUM=$chromium exec node --test --test-concurrency=2 "$@" studio.test.mjs controls.test.mjs access.test.mjs story.test.mjs view.test.mjs
+ALCAP=$alcap CHROMIUM=$chromium exec node --test --test-concurrency=2 "$@" studio.test.mjs design.test.mjs controls.test.mjs hands.test.mjs access.test.mjs story.test.mjs view.test.mjs

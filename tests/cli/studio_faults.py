@@ -29,13 +29,13 @@ def check(holds, what):
 
 
 class Studio:
-    def __init__(self, *options, path=None):
+    def __init__(self, *options, path=None, mesh="ball.ply"):
         env = dict(os.environ, TMPDIR=folder)
         if path:
             env["PATH"] = path + ":" + env["PATH"]
         else:
             options += ("--no-open",)
-        self.process = subprocess.Popen([alcap, "studio", "ball.ply", "--json", *options], cwd=folder, env=env,
+        self.process = subprocess.Popen([alcap, "studio", mesh, "--json", *options], cwd=folder, env=env,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         line = self.process.stdout.readline()
         self.started = '"url"' in line
@@ -134,6 +134,15 @@ check(raw(path + f"Host: {here}\r\n\r\n") == "200", "one Host header is taken")
 check(raw(path + f"Host: {here}\r\nHost: evil.example\r\n\r\n") == "403", "two Host headers are refused")
 check(raw(path + f"Host: evil.example\r\nHost: {here}\r\n\r\n") == "403", "in either order")
 
+# The page comes as it is: packing it would take a second of what opening may take.
+connection = http.client.HTTPConnection("127.0.0.1", studio.port, timeout=60)
+connection.request("GET", f"/?t={studio.token}", headers={"Accept-Encoding": "gzip, deflate, br, zstd"})
+answer = connection.getresponse()
+page = answer.read()
+check(answer.getheader("Content-Encoding") is None and page.rstrip().endswith(b"</html>"), "the page is not packed")
+check(answer.getheader("Content-Security-Policy", "").startswith("default-src 'none'"), "with its policy")
+connection.close()
+
 # Too many controls.
 many = json.dumps({"alcap_design": 1, "n": 4, "guidance": {"field": "smoothest"},
                    "fixed": [{"vertex": 0, "direction": [1, 0, 0]}] * 100_000})
@@ -191,6 +200,49 @@ for how in (signal.SIGINT, signal.SIGTERM):
     studio.end(how)
     check(studio.process.returncode == -how, f"the studio ends by the signal: {studio.process.returncode}")
     check(not pages(), "and takes the page along")
+
+# A large surface is shown before its field is looked for, which waits until a page has it and asks.
+subprocess.run([alcap, "make", "icosphere:7", "-o", "large.ply", "-q"], cwd=folder, check=True)
+studio = Studio(mesh="large.ply")
+check(len(studio.ask("/api/mesh")[1]) > 5_000_000, "the surface is there")
+for _ in range(50):
+    time.sleep(0.2)
+    if studio.revision() > 0:
+        break
+check(studio.revision() == 0, "nothing is solved before a page asks")
+check(studio.ask("/api/state")[0] == 200 and studio.revision() >= 1, "the field comes to who asks")
+studio.end()
+
+# The field that a design names, relative to its folder and not to that of the shell, and no other one.
+os.mkdir(os.path.join(folder, "sub"))
+subprocess.run([alcap, "field", "ball.ply", "-n", "4", "-o", "sub/own.ply", "-q"], cwd=folder, check=True)
+shutil.copy(os.path.join(folder, "sub", "own.ply"), os.path.join(folder, "own.ply"))
+
+
+def near(name, weight=1.0):
+    return json.dumps({"alcap_design": 1, "n": 4, "guidance": {"file": name, "weight": weight}})
+
+
+with open(os.path.join(folder, "sub", "near.json"), "w") as file:
+    file.write(near("own.ply"))
+studio = Studio("--design", os.path.join("sub", "near.json"))
+check(studio.ask("/api/edit", near("own.ply", 2))[0] == 200, "a design that names a field can be edited")
+with open(studio.design) as file:
+    check(json.load(file)["guidance"] == {"file": "own.ply", "weight": 2.0}, "the name is that relative to the folder")
+check(subprocess.run([alcap, "design", "ball.ply", "--design", studio.design, "-q"], cwd=folder).returncode == 0,
+      "the command line finds the field as well")
+for name in ("../own.ply", "other.ply", os.path.join(folder, "own.ply"), "/etc/hostname"):
+    check(studio.ask("/api/edit", near(name))[0] == 400, f"a page cannot name {name}")
+check(studio.ask("/api/edit", near(os.path.join(folder, "sub", "own.ply")))[0] == 200, "its full name is the same file")
+check(studio.ask("/api/keep", "")[0] == 200, "the field that is shown is kept")
+check(studio.ask("/api/keep", "")[0] == 200, "and once more, to another file")
+fields = sorted(name for name in os.listdir(os.path.join(folder, "sub")) if "guidance" in name)
+check(fields == ["near.guidance-1.ply", "near.guidance-2.ply"], f"files: {fields}")
+os.chmod(os.path.join(folder, "sub"), 0o555)
+if os.geteuid() != 0:
+    check(studio.ask("/api/keep", "")[0] == 500, "where nothing can be written, it says so")
+os.chmod(os.path.join(folder, "sub"), 0o755)
+studio.end()
 
 shutil.rmtree(folder)
 print("studio:", "fine" if not failures else f"{len(failures)} failures")

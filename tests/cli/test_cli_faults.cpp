@@ -97,6 +97,21 @@ TEST_CASE("a run that is killed leaves complete results or none, and what it lea
   CHECK_FALSE(has_warning(folder.read_json("report"), "leftover"));
 }
 
+TEST_CASE("the dense method says what it takes on a mesh that is too large for it, and ends when it is told to" *
+          doctest::skip(test::portable)) {
+  const CliFolder folder;
+  folder.write("a.ply", icosphere(4));
+  const std::string begin =
+      "set -m; $ALCAP field a.ply --method dense -o o.ply 2>err & p=$!; "
+      "for i in $(seq 200); do grep -q 'for small meshes' err && break; sleep 0.1; done; ";
+  CHECK(folder.shell(begin + "kill -INT $p; wait $p 2>/dev/null") == 130);
+  CHECK(folder.shell("grep -q 'with 2,562 vertices it takes some 0.42 GB' err") == 0);
+  CHECK_FALSE(folder.files().contains("o.ply"));
+  // A small one is nothing to speak of.
+  folder.write("b.ply", icosphere(2));
+  CHECK(folder.run("field b.ply --method dense -o b2.ply").err.find("for small meshes") == std::string::npos);
+}
+
 TEST_CASE("outputs that would replace each other or an input are refused before anything is computed") {
   const CliFolder folder;
   folder.write("a.ply", icosphere(1));

@@ -162,13 +162,16 @@ void add_singularities(ViewPack& pack, const FieldOutput& source) {
   pack.add("arms", arms);
 }
 
-PageCurves page_even_curves(const FieldOutput& source, double apart, const RunControl& control) {
+PageCurves page_even_curves(const FieldOutput& source, double apart, const RunControl& control,
+                            const CurveSet* earlier) {
   PageCurves out;
   // Some sixty curves across, so that they stay apart on a small screen too; on coarse meshes not many more than they
   // have edges.
   out.spacing = apart * std::clamp(0.7 * source.surface.geometry().lengths().mean() / diagonal_of(source.surface.V()),
                                    0.0095, 0.02);
-  out.even = streamlines(source.surface, source.field, {.spacing = out.spacing, .control = control});
+  const StreamlineOptions options{.spacing = out.spacing, .control = control};
+  out.even = earlier == nullptr ? streamlines(source.surface, source.field, options)
+                                : update_streamlines(source.surface, source.field, *earlier, options);
   return out;
 }
 

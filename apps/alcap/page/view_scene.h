@@ -36,8 +36,10 @@ struct PageCurves {
   [[nodiscard]] bool complete() const { return even.complete && separatrices.complete; }
 };
 [[nodiscard]] PageCurves page_curves(const FieldOutput& source);
-/// Halves of it. The evenly spaced ones so many times as far apart.
-[[nodiscard]] PageCurves page_even_curves(const FieldOutput& source, double apart = 1, const RunControl& control = {});
+/// Halves of it. The evenly spaced ones so many times as far apart; they begin with what still follows the field of
+/// earlier ones.
+[[nodiscard]] PageCurves page_even_curves(const FieldOutput& source, double apart = 1, const RunControl& control = {},
+                                          const CurveSet* earlier = nullptr);
 [[nodiscard]] PageCurves page_separatrices(const FieldOutput& source, const RunControl& control = {});
 void add_curves(ViewPack& pack, const FieldOutput& source, const PageCurves& curves);
 void add_separatrices(ViewPack& pack, const FieldOutput& source, const PageCurves& curves);

@@ -12,6 +12,7 @@
 #include <charconv>
 #include <cstdlib>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <random>
 
@@ -128,7 +129,13 @@ class Handlers {
  private:
   void add_reading(httplib::Server& server) {
     server.Get("/", [this](const auto&, auto& response) {
-      response.set_content(html_page(Json{{"mode", "studio"}, {"title", options_.title}}), "text/html; charset=utf-8");
+      // From a provider of known length: what is set as content the library packs, which takes a second for the page.
+      const auto page =
+          std::make_shared<const std::string>(html_page(Json{{"mode", "studio"}, {"title", options_.title}}));
+      response.set_content_provider(page->size(), "text/html; charset=utf-8",
+                                    [page](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                                      return sink.write(page->data() + offset, length);
+                                    });
     });
     server.Get("/api/mesh", [this](const auto&, auto& response) {
       ViewPack pack;
@@ -136,6 +143,7 @@ class Handlers {
       pack.meta = Json{{"title", options_.title},
                        {"euler", session_.surface().topology().euler()},
                        {"boundary", !session_.surface().topology().loops.empty()},
+                       {"came", session_.came()},
                        {"file", session_.file().string()}};
       add_mesh(pack, session_.surface());
       add_loops(pack, session_.surface());
@@ -171,6 +179,15 @@ class Handlers {
     server.Post("/api/mode", [this](const auto& request, auto& response) {
       try {
         state(request, response, session_.show_mode(static_cast<int>(std::min(number_in(request, "mode"), most_mode))));
+      } catch (const OptionError& e) {
+        answer(response, 400, e.what());
+      }
+    });
+    server.Post("/api/keep", [this](const auto& request, auto& response) {
+      try {
+        state(request, response, session_.keep_field());
+      } catch (const StudioConflict& e) {
+        answer(response, 409, e.what());
       } catch (const OptionError& e) {
         answer(response, 400, e.what());
       }

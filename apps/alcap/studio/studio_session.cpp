@@ -7,6 +7,7 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <utility>
 
@@ -52,20 +53,87 @@ DesignLock::~DesignLock() {
   ::close(descriptor_);
 }
 
+namespace {
+
+/// What is said of a design that comes from elsewhere.
+std::vector<std::string> sentences(const DesignFile& design) {
+  std::vector<std::string> out;
+  const std::size_t edits = design.edits.size();
+  if (edits > 0)
+    out.push_back("The file came with " + std::to_string(edits) + (edits == 1 ? " edit" : " edits") +
+                  " of its singularities. What they lead to is below, and will be saved instead.");
+  const auto at = [](const auto& list) {
+    return std::any_of(list.begin(), list.end(), [](const auto& one) { return one.at.has_value(); });
+  };
+  bool points = at(design.singularities) || at(design.fixed) || !design.connection.cones_at.empty();
+  for (const DesignStroke& s : design.strokes) points = points || !s.path.empty() || at(s.points);
+  if (points)
+    out.push_back(
+        "The file names points of space. They are faces and vertices of this surface from now on, and will be saved "
+        "as such.");
+  return out;
+}
+
+}  // namespace
+
 StudioSession::StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file)
-    : surface_(surface), file_(std::move(file)), lock_(file_), solver_(surface) {
-  check_design(design, surface.mesh());
-  now_ = {.design = std::move(design), .result = nullptr};
+    : surface_(surface),
+      file_(std::move(file)),
+      folder_(std::filesystem::absolute(file_).parent_path()),
+      came_(sentences(design)),
+      lock_(file_),
+      solver_(surface) {
+  if (design.guidance.source == DesignGuidance::Source::file) {
+    design.guidance.file = std::filesystem::absolute(design.guidance.file).lexically_normal();
+    guides_.insert(design.guidance.file);
+  }
+  now_ = {.design = placed(design), .result = nullptr};
   if (surface_.mesh().faces() < large) {
     start();
     if (failed_) std::rethrow_exception(failed_);
-  } else {
-    starter_ = std::thread([this] { start(); });
+    return;
   }
+  starter_ = std::thread([this] {
+    {
+      std::unique_lock lock(mutex_);
+      moved_.wait(lock, [&] { return wanted_ || ended_; });
+      if (ended_) return;
+    }
+    start();
+  });
 }
 
 StudioSession::~StudioSession() {
+  {
+    const std::lock_guard lock(mutex_);
+    ended_ = true;
+  }
+  moved_.notify_all();
   if (starter_.joinable()) starter_.join();
+}
+
+DesignFile StudioSession::placed(const DesignFile& design) const {
+  // Features stay what they are: where they lie follows from their angle.
+  DesignFile part = design;
+  part.features = {};
+  DesignFile out = place_design(part, surface_);
+  out.features = design.features;
+  return out;
+}
+
+DesignFile StudioSession::as_saved(DesignFile design) const {
+  if (design.guidance.source != DesignGuidance::Source::file) return design;
+  const std::filesystem::path near = design.guidance.file.lexically_relative(folder_);
+  if (!near.empty() && *near.begin() != "..") design.guidance.file = near;
+  return design;
+}
+
+void StudioSession::check_guidance(const DesignFile& design) const {
+  if (design.guidance.source != DesignGuidance::Source::file) return;
+  const std::lock_guard lock(mutex_);
+  if (!guides_.contains(design.guidance.file))
+    throw OptionError("/guidance/file", design.guidance.file.filename().string(),
+                      "the studio opens no files named by a page, but that of the design it was started with");
 }
 
 namespace {
@@ -120,7 +188,7 @@ void StudioSession::publish(std::shared_ptr<const StudioResult> result, std::str
 
 StudioState StudioSession::state_locked() const {
   return {.revision = revision_,
-          .design = now_.design,
+          .design = as_saved(now_.design),
           .result = result_locked(),
           .problem = now_.problem,
           .undo = past_.size(),
@@ -129,6 +197,8 @@ StudioState StudioSession::state_locked() const {
 
 StudioState StudioSession::state() const {
   std::unique_lock lock(mutex_);
+  wanted_ = true;
+  moved_.notify_all();
   moved_.wait(lock, [&] { return now_.result || failed_; });
   if (!now_.result) std::rethrow_exception(failed_);
   return state_locked();
@@ -139,14 +209,22 @@ std::uint64_t StudioSession::result() const {
   return result_locked() ? result_locked()->id : 0;
 }
 
-template <class Shift>
-StudioState StudioSession::become(const Step& next, Shift&& shift) {
+namespace {
+
+void save(const std::function<void()>& write) {
   try {
-    write_guarded([&] { write_design(file_, next.design); });
+    write_guarded(write);
   } catch (const Failure& e) {
     if (e.exit() == Exit::interrupted) ::kill(::getpid(), SIGINT);  // nobody else here ends the program
     throw;
   }
+}
+
+}  // namespace
+
+template <class Shift>
+StudioState StudioSession::become(const Step& next, Shift&& shift) {
+  save([&] { write_design(file_, as_saved(next.design)); });
   const std::lock_guard lock(mutex_);
   shift();
   shown_.reset();
@@ -157,16 +235,13 @@ StudioState StudioSession::become(const Step& next, Shift&& shift) {
 
 StudioState StudioSession::edit(const std::string& text, const std::string& gesture,
                                 std::optional<std::uint64_t> base) {
-  DesignFile design = parse_design(text);
-  // Nothing in a request may name a file.
-  if (design.guidance.source == DesignGuidance::Source::file)
-    throw OptionError("/guidance/field", design.guidance.file.string(), "the studio opens no files named by a page");
+  DesignFile design = parse_design(text, "design", folder_);
+  design.guidance.file = design.guidance.file.lexically_normal();
+  check_guidance(design);
   check_size(design);
-  // Features stay what they are: where they lie follows from their angle.
-  const DesignFeatures features = std::exchange(design.features, {});
-  design = place_design(design, surface_);
-  design.features = features;
+  design = placed(design);
 
+  (void)state();  // the first field comes first
   const std::lock_guard change(changes_);
   Step next{.design = std::move(design), .result = nullptr};
   {
@@ -180,6 +255,8 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
     next.problem = e.what();
   } catch (const SolveError& e) {
     next.problem = e.what();
+  } catch (const FileError& e) {
+    next.problem = e.what();  // a guidance field that is gone, or of another n
   }
   return become(next, [&] {
     if (gesture.empty() || gesture != gesture_) {
@@ -194,6 +271,7 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
 
 // Only changes move the history, and this is one.
 StudioState StudioSession::undo() {
+  (void)state();
   const std::lock_guard change(changes_);
   if (past_.empty()) return state();
   return become(past_.back(), [&] {
@@ -205,6 +283,7 @@ StudioState StudioSession::undo() {
 }
 
 StudioState StudioSession::redo() {
+  (void)state();
   const std::lock_guard change(changes_);
   if (future_.empty()) return state();
   return become(future_.back(), [&] {
@@ -216,6 +295,7 @@ StudioState StudioSession::redo() {
 }
 
 StudioState StudioSession::show_mode(int k) {
+  (void)state();
   const std::lock_guard change(changes_);
   std::shared_ptr<const StudioResult> solved;
   double s = 0;
@@ -233,6 +313,27 @@ StudioState StudioSession::show_mode(int k) {
   ++revision_;
   moved_.notify_all();
   return state_locked();
+}
+
+StudioState StudioSession::keep_field() {
+  StudioState now = state();
+  if (now.result->field.n != now.design.n)
+    throw OptionError("/n", now.design.n, "the field that is shown has another n; the design has none yet");
+  std::string stem = file_.stem().string();
+  if (stem.ends_with(".design")) stem.resize(stem.size() - std::string_view(".design").size());
+  std::filesystem::path field;
+  std::error_code error;
+  for (int k = 1; field.empty() || std::filesystem::exists(field, error); ++k)
+    field = folder_ / (stem + ".guidance-" + std::to_string(k) + ".ply");
+  save([&] { write_field(now.result->output(), field); });
+  {
+    const std::lock_guard lock(mutex_);
+    guides_.insert(field);
+  }
+  now.design.method = DesignMethod::variational;
+  now.design.guidance.source = DesignGuidance::Source::file;
+  now.design.guidance.file = field;
+  return edit(design_text(as_saved(std::move(now.design))), "", now.revision);
 }
 
 std::uint64_t StudioSession::wait(std::uint64_t known, std::chrono::milliseconds limit) const {

@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -24,7 +25,7 @@ namespace alcap::app {
 /// What a tab is told. `result` is the last one that could be solved.
 struct StudioState {
   std::uint64_t revision = 0;
-  DesignFile design;
+  DesignFile design;  ///< as it is saved: files are named relative to its folder
   std::shared_ptr<const StudioResult> result;
   std::string problem = {};  ///< why the design has no field yet; empty when it has
   std::size_t undo = 0, redo = 0;
@@ -53,9 +54,10 @@ class DesignLock {
 
 class StudioSession {
  public:
-  /// Solves `design`, on large surfaces from a thread of its own, while the page can already show them; who asks for
-  /// the state waits. Edits are saved to `file`, which appears complete or not at all, before they count. Throws what
-  /// solving throws, and Failure(output) when another studio has the file.
+  /// Solves `design`, on large surfaces only when the state is first asked for, and from a thread of its own: until
+  /// then the machine is the page's, which is to show them soon. Who asks for the state waits. Points of space become
+  /// faces and vertices, and edits of the design are done. Edits are saved to `file`, which appears complete or not at
+  /// all, before they count. Throws what solving throws, and Failure(output) when another studio has the file.
   StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file);
   ~StudioSession();
   StudioSession(const StudioSession&) = delete;
@@ -72,6 +74,9 @@ class StudioSession {
   /// Shows the k-th smoothest field instead of the design's, until the next change; 0: the design's again. The design,
   /// its file and its history stay as they are. Throws OptionError.
   StudioState show_mode(int k);
+  /// Saves the field that is shown beside the design, to a file that was not there, and makes it the guidance of the
+  /// design. Throws as edit() does.
+  StudioState keep_field();
   /// Throws what the first solve threw.
   [[nodiscard]] StudioState state() const;
   /// Number of the present result; for asking often.
@@ -79,6 +84,8 @@ class StudioSession {
   /// Waits until the revision is another than `known`, or some seconds.
   [[nodiscard]] std::uint64_t wait(std::uint64_t known, std::chrono::milliseconds limit) const;
   [[nodiscard]] const Surface& surface() const { return surface_; }
+  /// What became of parts of the design that it was started with, in sentences.
+  [[nodiscard]] const std::vector<std::string>& came() const { return came_; }
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:
@@ -87,10 +94,14 @@ class StudioSession {
     std::shared_ptr<const StudioResult> result;
     std::string problem = {};
   };
-  static constexpr Index large = 200'000;              // faces: found in the background
+  static constexpr Index large = 200'000;              // faces: found in the background, when asked for
   static constexpr std::size_t longest_history = 200;  // steps; a field of 25,000 vertices is 0.5 MB
 
   void start();
+  /// The files that a design may name: nothing in a request may name another one.
+  void check_guidance(const DesignFile& design) const;
+  [[nodiscard]] DesignFile placed(const DesignFile& design) const;
+  [[nodiscard]] DesignFile as_saved(DesignFile design) const;
   void publish(std::shared_ptr<const StudioResult> result, std::string problem = {});
   [[nodiscard]] StudioState state_locked() const;
   [[nodiscard]] const std::shared_ptr<const StudioResult>& result_locked() const {
@@ -102,6 +113,8 @@ class StudioSession {
 
   Surface surface_;
   std::filesystem::path file_;
+  std::filesystem::path folder_;  // of the file
+  std::vector<std::string> came_;
   DesignLock lock_;
   StudioSolver solver_;
   std::mutex changes_;        // one change at a time, solving and saving included; taken before mutex_
@@ -111,8 +124,11 @@ class StudioSession {
   std::shared_ptr<const StudioResult> shown_;  // a mode; null: the result of now_
   std::vector<Step> past_, future_;
   std::string gesture_;
-  std::uint64_t revision_ = 0;  // counts from 1, the first result
-  std::exception_ptr failed_;   // of the first solve
+  std::uint64_t revision_ = 0;              // counts from 1, the first result
+  std::exception_ptr failed_;               // of the first solve
+  std::set<std::filesystem::path> guides_;  // fields that a design may name: that of the file, and those saved here
+  mutable bool wanted_ = false;             // somebody has asked for the state
+  bool ended_ = false;
   std::thread starter_;
 };
 

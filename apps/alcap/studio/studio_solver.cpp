@@ -18,7 +18,15 @@ std::string StudioResult::make(StudioPart which, const RunControl& control) cons
     } else if (which == StudioPart::separatrices) {
       add_separatrices(pack, output(), page_separatrices(output()));
     } else {
-      add_curves(pack, output(), page_even_curves(output(), which == StudioPart::coarse ? coarse : 1));
+      const bool far = which == StudioPart::coarse;
+      std::shared_ptr<const CurveSet> earlier;
+      if (memories_) earlier = (far ? memories_->coarse : memories_->fine).latest();
+      // The first ones of a surface go on from its coarse ones, which are on the screen by now.
+      if (memories_ && !far && !earlier) earlier = memories_->coarse.latest();
+      PageCurves curves = page_even_curves(output(), far ? coarse : 1, {}, earlier.get());
+      add_curves(pack, output(), curves);
+      if (memories_)
+        (far ? memories_->coarse : memories_->fine).keep(std::make_shared<const CurveSet>(std::move(curves.even)));
     }
     return pack.bytes();
   });
@@ -62,15 +70,21 @@ void add_outcomes(const DesignFile& design, const DesignRun& run, StudioResult& 
 
 }  // namespace
 
+std::shared_ptr<StudioResult> StudioSolver::make_result() {
+  auto result = std::make_shared<StudioResult>();
+  result->memories_ = memories_;
+  result->id = ++results_;
+  return result;
+}
+
 std::shared_ptr<const StudioResult> StudioSolver::solve(const DesignFile& design) {
   const detail::Stopwatch watch;
   DesignRun run = session_.solve(design);
-  auto result = std::make_shared<StudioResult>();
+  auto result = make_result();
   add_outcomes(design, run, *result);
   result->surface = std::move(run.surface);
   result->field = std::move(run.field);
   result->singularities = std::move(run.singularities);
-  result->id = ++results_;
   result->seconds = watch.seconds();
   return result;
 }
@@ -87,13 +101,12 @@ std::shared_ptr<const StudioResult> StudioSolver::mode(const StudioResult& solve
     modes_n_ = n;
     modes_s_ = s;
   }
-  auto result = std::make_shared<StudioResult>();
+  auto result = make_result();
   result->surface = solved.surface;
   result->field = {.n = n, .u = modes_.U.col(k - 1), .frames = solved.surface.frames()};
   result->singularities = find_singularities(solved.surface, result->field);
   result->mode = k;
   result->eigenvalues.assign(modes_.lambda.data(), modes_.lambda.data() + modes_.lambda.size());
-  result->id = ++results_;
   result->seconds = watch.seconds();
   return result;
 }

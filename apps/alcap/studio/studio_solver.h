@@ -15,6 +15,7 @@
 #include "alcap/output.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
+#include "alcap/streamlines.h"
 #include "apps/alcap/commands/command.h"
 #include "apps/alcap/page/view_scene.h"
 
@@ -28,6 +29,25 @@ enum class StudioPart {
   colours,       ///< numbers per face
 };
 inline constexpr std::array<std::string_view, 4> part_names{"coarse", "curves", "separatrices", "colours"};
+
+/// The evenly spaced curves that were traced last on a surface, of whatever field: those of the next one begin with
+/// what still follows it.
+class CurveMemory {
+ public:
+  /// Null where there are none.
+  [[nodiscard]] std::shared_ptr<const CurveSet> latest() const {
+    const std::lock_guard lock(mutex_);
+    return latest_;
+  }
+  void keep(std::shared_ptr<const CurveSet> curves) {
+    const std::lock_guard lock(mutex_);
+    latest_ = std::move(curves);
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::shared_ptr<const CurveSet> latest_;
+};
 
 /// A solved design. Immutable, but for what is computed when first asked for.
 class StudioResult {
@@ -53,6 +73,12 @@ class StudioResult {
  private:
   [[nodiscard]] std::string make(StudioPart which, const RunControl& control) const;
 
+  friend class StudioSolver;
+  /// Of the coarse curves and of the others.
+  struct Memories {
+    CurveMemory coarse, fine;
+  };
+  std::shared_ptr<Memories> memories_;  // null: nothing to begin with
   mutable std::array<std::once_flag, part_names.size()> once_;
   mutable std::array<std::string, part_names.size()> parts_;
 };
@@ -68,7 +94,11 @@ class StudioSolver {
   static constexpr int most_modes = 8;
 
  private:
+  /// With a number and what is kept from one result to the next.
+  [[nodiscard]] std::shared_ptr<StudioResult> make_result();
+
   DesignSession session_;
+  std::shared_ptr<StudioResult::Memories> memories_ = std::make_shared<StudioResult::Memories>();
   /// The modes that were asked for last, and of what.
   EigenModes modes_;
   ConnectedSurface modes_surface_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // card.js: what is known about a singularity that nobody asked for, why it is there, and what can be done about it.
-import { fraction, h } from './dom.js';
+import { count, fraction, h, short } from './dom.js';
 import { mark } from './panel.js';
 import { kindsOf } from './studio_panel.js';
 import { barycentricIn, dot, frame, plus, scaled, subtract, unit } from './tangent.js';
@@ -28,6 +28,20 @@ export class Card {
 
   close() { this.element.hidden = true; }
 
+  /** About a face where nothing is; it is outlined. */
+  face(t) {
+    const { view } = this.app, { faces } = view.surface;
+    const rows = [['Vertices', [0, 1, 2].map((c) => count(faces[3 * t + c])).join(', ')]];
+    for (const s of view.meta.scalars || []) {
+      const values = view.arrays[`scalar.${s.name}`];
+      if (values && view.state.color) rows.push([s.label, short(values[t])]);
+    }
+    view.highlight(t);
+    this.element.replaceChildren(h('p', { class: 'head' }, `Face ${count(t)}`), this.closer(),
+      h('dl', {}, rows.map(([a, b]) => h('div', { class: 'row' }, h('dt', {}, a), h('dd', {}, b)))));
+    this.element.hidden = false;
+  }
+
   place(k) {
     return Array.from(this.app.view.arrays.singular.slice(8 * k, 8 * k + 3));
   }
@@ -46,7 +60,10 @@ export class Card {
   }
 
   closer() {
-    return h('button', { type: 'button', class: 'close', 'aria-label': 'Close', onclick: () => this.close() }, '×');
+    return h('button', { type: 'button', class: 'close', 'aria-label': 'Close', onclick: () => {
+      this.app.view.highlight(-1);
+      this.close();
+    } }, '×');
   }
 
   /** About the singularity with this number in the field's list. */

@@ -54,7 +54,11 @@ export function segmented(label, options, value, choose) {
     for (const b of row.children) b.setAttribute('aria-checked', String(b.dataset.value === String(next)));
   };
   for (const [key, text, help] of options) {
-    row.append(h('button', { type: 'button', role: 'radio', 'data-value': key, title: help, onclick: () => { set(key); choose(key); } }, text));
+    row.append(h('button', { type: 'button', role: 'radio', 'data-value': key, title: help, onclick: (event) => {
+      set(key);
+      row.keys = event.detail === 0;  // chosen by the keyboard
+      choose(key);
+    } }, text));
   }
   row.addEventListener('keydown', (event) => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];

@@ -29,7 +29,7 @@ export class Handles {
       const k = this.items.length;
       const ring = h('button', { type: 'button', class: 'ring', onclick: () => this.actions.select(k) });
       this.makeMovable(ring, k);
-      this.layer.append(ring);
+      this.layer.insertBefore(ring, this.line ?? null);  // from the rings the next one by Tab is the knob
       this.items.push({ ring });
     }
     singularities.forEach((s, k) => {

@@ -17,6 +17,7 @@ export function listen(stage, table) {
   };
   addEventListener('keydown', (event) => {
     if (event.target.matches?.('input:not([type=checkbox], [type=range]), select, textarea') || document.querySelector('dialog[open]')) return;
+    if (event.key === 'Enter' && event.target.matches?.('button, a, summary, input') && !event.target.matches('.toolbox [aria-checked=true]')) return;
     if (event.target.matches?.('[type=range]') && /^(Arrow|Page|Home|End)/.test(event.key)) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
     const name = (event.ctrlKey || event.metaKey ? 'Ctrl+' : '') + (event.shiftKey && key.length === 1 && /[a-z]/.test(key) ? 'Shift+' : '') + key;

@@ -60,8 +60,15 @@ export class Mirror {
     return image;
   }
 
+  /** Of a stroke along edges: between the vertices nearest to the images of its own. */
   stroke(s) {
+    if (s.vertices) return { ...s, vertices: s.vertices.map((v) => this.vertex(v)).filter((v, k, all) => v !== all[k - 1]) };
     return { ...s, points: s.points.map((p) => { const { face, barycentric } = this.place(p); return { face, barycentric }; }) };
+  }
+
+  vertex(v) {
+    const { face, barycentric } = this.surface.nearest(this.reflected(Array.from(this.surface.positions.subarray(3 * v, 3 * v + 3))));
+    return this.surface.faces[3 * face + barycentric.indexOf(Math.max(...barycentric))];
   }
 
   /** The singularity of the design that mirrors number k; -1 for none. */

@@ -109,6 +109,7 @@ export function makeCard(view) {
   const card = h('div', { class: 'card', role: 'status', hidden: true });
   card.show = (hit) => {
     card.hidden = !hit;
+    view.highlight(-1);
     if (!hit) return;
     const rows = [];
     const near = view.near(hit.point);
@@ -122,11 +123,12 @@ export function makeCard(view) {
       head.append(`Face ${count(hit.face)}`);
     }
     if (near >= 0) rows.unshift(['Face', count(hit.face)]);
+    view.highlight(hit.face);
     for (const s of view.meta.scalars || []) {
       const values = view.arrays[`scalar.${s.name}`];
       if (values) rows.push([s.label, short(values[hit.face])]);
     }
-    const close = h('button', { type: 'button', class: 'close', 'aria-label': 'Close', onclick: () => { card.hidden = true; } }, '×');
+    const close = h('button', { type: 'button', class: 'close', 'aria-label': 'Close', onclick: () => card.show(null) }, '×');
     card.replaceChildren(head, close, h('dl', {}, rows.map(([a, b]) => h('div', { class: 'row' }, h('dt', {}, a), h('dd', {}, b)))));
   };
   return card;

@@ -15,13 +15,15 @@ export class View {
     this.meta = meta;
     this.arrays = {};
     const d = meta.diagonal;
-    this.surface = new Surface(arrays.positions, arrays.faces);
-    stage.reach = reachOf(arrays.positions) / d;
+    const reach = reachOf(arrays.positions);
+    this.surface = new Surface(arrays.positions, arrays.faces, reach);
+    stage.reach = reach / d;
     this.spacing = meta.spacing || 0.012 * d;
     this.curves = new Lines({ variable: '--ink', width: 0.1 * this.spacing, widths: [0.8, 2.4] });
     this.separatrices = new Lines({ variable: '--accent', width: 0.0032 * d, widths: [1.8, 4], lift: 0.0022, order: 2 });
     this.glyphs = new Glyphs(this.surface, d, 0.022 * d);
     this.marks = new Marks(d);
+    this.picked = new Lines({ variable: '--accent', width: 0.002 * d, widths: [2.5, 4], lift: 0.004, order: 7 });
     this.stale = {};  // what belongs to an earlier field: curves, separatrices
     this.state = { lines: 'curves', singularities: true, arms: true, separatrices: false, color: '' };
     stage.add(this.surface);
@@ -29,6 +31,7 @@ export class View {
     stage.add(this.separatrices);
     this.glyphs.attach(stage);
     stage.add(this.marks);
+    stage.add(this.picked);
     this.update({ meta, arrays });
     this.apply();
   }
@@ -79,6 +82,15 @@ export class View {
     if (this.colored !== values) this.surface.color(values || null, scalar || {});
     this.colored = values;
     this.curves.material.uniforms.opacity.value = color ? 0.6 : 1;
+    this.stage.draw();
+  }
+
+  /** Draws the outline of a face; of none for -1. */
+  highlight(face) {
+    if (face === this.highlighted) return;
+    this.highlighted = face;
+    const corners = face < 0 ? [] : this.surface.corners(face);
+    this.picked.curves(new Float32Array([...corners, ...corners.slice(0, 1)].flat()), face < 0 ? [0] : [0, 4]);
     this.stage.draw();
   }
 

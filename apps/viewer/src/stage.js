@@ -26,6 +26,7 @@ export class Stage {
     this.cost = 0;
     this.moving = false;
     this.hasty = false;  // large surfaces are drawn coarsely while they are being opened
+    this.waiting = [];   // to be told when the next picture is drawn
     new ResizeObserver(() => this.resize()).observe(canvas);
     const dark = matchMedia('(prefers-color-scheme: dark)');
     dark.addEventListener('change', () => this.theme());
@@ -147,7 +148,18 @@ export class Stage {
       this.renderer.render(this.scene, this.camera);
       if (detail === 1) this.cost = performance.now() - start;
       else if (!this.moving && !this.hasty) this.draw();  // in full, when nothing moves any more
-      this.drawn = true;
+      for (const tell of this.waiting.splice(0)) tell(performance.now());
     });
+  }
+
+  /** Resolves to the time when what has changed by now is drawn. */
+  drawn() {
+    this.draw();
+    return new Promise((tell) => this.waiting.push(tell));
+  }
+
+  /** The same, but in a page that nobody sees, where nothing is drawn, after a second. */
+  seen() {
+    return Promise.race([this.drawn().then(() => new Promise(requestAnimationFrame)), new Promise((go) => setTimeout(go, 1000))]);
   }
 }

@@ -25,7 +25,24 @@ export class Strokes {
   }
 
   pointsOf(stroke) {
+    if (stroke.vertices) return this.alongVertices(stroke.vertices);
     return (stroke.points || []).filter((p) => p.barycentric).map((p) => pointIn(this.app.view.surface, p.face, p.barycentric));
+  }
+
+  /** Of a stroke along edges, from a file: straight on over the surface from one vertex to the next. */
+  alongVertices(vertices) {
+    const { surface } = this.app.view, key = vertices.join(), step = apart * this.app.stage.diagonal;
+    this.edges ??= new Map();
+    if (!this.edges.has(key)) {
+      const corners = vertices.map((v) => Array.from(surface.positions.subarray(3 * v, 3 * v + 3)));
+      this.edges.set(key, corners.flatMap((to, k) => {
+        const from = corners[k - 1];
+        if (!from) return [to];
+        const way = subtract(to, from), steps = Math.max(1, Math.min(200, Math.ceil(Math.hypot(...way) / (3 * step))));
+        return Array.from({ length: steps }, (_, i) => (i + 1 === steps ? to : surface.nearest(from.map((x, c) => x + ((i + 1) / steps) * way[c])).point));
+      }));
+    }
+    return this.edges.get(key);
   }
 
   /** The stroke that passes closest to a point of the surface, within a little; -1 for none. */

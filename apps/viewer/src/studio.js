@@ -19,7 +19,7 @@ import { makePictures } from './view.js';
 
 const many = 200000;  // faces: curves are drawn far apart first
 
-const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
+const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'Put it where the cross is'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
 
 export async function startStudio(stage, ui, boot) {
   const mesh = await ask('/api/mesh');
@@ -29,6 +29,10 @@ export async function startStudio(stage, ui, boot) {
   ui.inert = true;
   app.status.textContent = 'Finding the first field…';
   document.getElementById('veil').hidden = true;
+  // The server looks for the field when it is first asked for: the page has the machine until it is on the screen.
+  if (stage.hasty) await stage.seen();
+  app.times.opened = performance.now();
+  document.documentElement.dataset.opened = Math.round(app.times.opened);
   await app.store.load();
   ui.inert = false;
   stage.hasty = false;
@@ -45,6 +49,7 @@ class Studio {
     this.tool = 'turn';
     this.view = new View(stage, mesh);
     this.title = mesh.meta.title;
+    this.times = {};  // of the last edit, ms; opened: since the page was asked for
     this.mirror = new Mirror(this.view.surface, mesh.meta.diagonal);
     this.fixed = new Fixed(this.view.surface);
     // Singularities first, then directions.
@@ -68,11 +73,12 @@ class Studio {
     stage.before = () => {
       this.handles.place();
       this.strokes.place();
+      this.aim();
     };
     this.view.wanted = () => this.store.details();
     this.store = new Store({
       state: (pack) => this.onState(pack), follow: (pack) => this.onField(pack), parts: () => this.parts(),
-      details: (pack, part) => this.onDetails(pack, part), complete: (result, ms) => this.onComplete(result, ms), status: (kind, text) => this.onStatus(kind, text),
+      details: (pack, part) => this.onDetails(pack, part), complete: (result) => this.onComplete(result), status: (kind, text) => this.onStatus(kind, text),
     });
     this.status = h('span', { class: 'chip', role: 'status' }, 'Starting…');
     this.sections = { field: fieldSection(this), controls: controlsSection(this), cones: conesSection(this), modes: modesSection(this), memory: memorySection(this) };
@@ -98,11 +104,16 @@ class Studio {
     stage.resize();
     stage.frame(mesh.meta.diagonal);
     onClick(stage.canvas, (event) => this.click(event));
-    const tool = (name) => () => this.choose(name);
+    this.cross = h('i', { class: 'cross', 'aria-hidden': 'true', hidden: true });
+    ui.append(this.cross);
+    stage.canvas.addEventListener('pointermove', (event) => this.point(event));
+    stage.canvas.addEventListener('pointerleave', () => this.point(null));
+    const tool = (name) => () => this.choose(name, true);
     listen(stage, {
-      v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone'),
-      a: () => this.choose(kindsOf(this.design.n)[0][0]), z: () => this.choose(kindsOf(this.design.n).at(-1)[0]),
+      v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone', true),
+      a: () => this.choose(kindsOf(this.design.n)[0][0], true), z: () => this.choose(kindsOf(this.design.n).at(-1)[0], true),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
+      Enter: () => this.places() && this.click(this.ahead()),
       Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => this.pictures.choose(), '?': () => this.help.showModal(),
     });
   }
@@ -129,8 +140,40 @@ class Studio {
     return this.store.send(design, gesture);
   }
 
-  choose(tool) {
+  /** Whether the tool puts something where one clicks, or where the cross is. */
+  places() {
+    return !['turn', 'stroke', 'erase'].includes(this.tool);
+  }
+
+  /** The middle of what the panel leaves free, as a place of the pointer: where the keyboard puts things. */
+  ahead() {
+    const box = this.stage.canvas.getBoundingClientRect();
+    return { clientX: box.left + this.stage.free.width / 2, clientY: box.top + this.stage.free.height / 2 };
+  }
+
+  /** The cross of the keyboard, and the face behind it. */
+  aim() {
+    this.cross.hidden = !(this.keys && this.places());
+    if (this.cross.hidden) return;
+    const at = this.ahead();
+    this.cross.style.transform = `translate(${at.clientX}px, ${at.clientY}px)`;
+    this.view.highlight(this.view.pick(at)?.face ?? -1);
+  }
+
+  /** The face under the pointer is outlined while something is to be put there. */
+  point(event) {
+    this.keys = false;
+    const aims = event && !event.buttons && this.places();
+    this.view.highlight(aims ? this.view.pick(event)?.face ?? -1 : -1);
+    this.cross.hidden = true;
+  }
+
+  /** keys: by the keyboard, which puts things where the cross is. */
+  choose(tool, keys = false) {
     this.tool = tool;
+    this.keys = keys;
+    this.view.highlight(-1);
+    this.stage.draw();
     this.stage.controls.enabled = tool !== 'stroke' && tool !== 'erase';
     this.stage.canvas.classList.toggle('aim', tool !== 'turn');
     this.tools.set?.(tool);
@@ -296,6 +339,7 @@ class Studio {
     if (this.tool === 'stroke' || this.tool === 'erase' || !this.design) return;
     const hit = this.view.pick(event);
     this.card.close();
+    this.view.highlight(-1);
     if (!hit) return;
     if (this.tool === 'turn') {
       const near = this.view.near(hit.point);
@@ -304,17 +348,22 @@ class Studio {
       if (stroke >= 0) this.selectStroke(stroke);
       else this.select(-1);
       if (near >= 0 && !placed) this.card.tell(near);
+      else if (near < 0 && stroke < 0) this.card.face(hit.face);
       return;
     }
     if (this.tool === 'cone') return this.addCone(hit);
+    const { keys } = this;
     if (this.tool === 'direction') {
       this.addFixed(hit);
-      return this.choose('turn');
+      this.choose('turn');
+      if (keys) this.handles.items[(this.design.singularities || []).length + this.held]?.ring.focus();
+      return;
     }
     const faces = (this.design.singularities || []).map((s) => s.face);
     if (faces.includes(hit.face)) return this.select(faces.indexOf(hit.face));
     this.add({ face: hit.face, kind: this.tool, angle: 0, pin: inside(hit.barycentric) });
     this.choose('turn');
+    if (keys) this.handles.items[this.selected]?.ring.focus();  // on with the arrow keys
   }
 
   addCone(hit) {
@@ -360,7 +409,7 @@ class Studio {
     if (this.toolsFor === `${n}${this.trivial()}`) return;
     this.toolsFor = `${n}${this.trivial()}`;
     const kinds = kindsOf(n).map(([kind, sign]) => [kind, h('span', {}, h('i', { class: sign > 0 ? 'mark positive' : 'mark negative' }), titleOf(kind)), `Click where the ${kind} shall be`]);
-    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, choose what is there (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field shall be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Rub out strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone shall be (K)']] : [])], this.tool, (t) => this.choose(t));
+    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, choose what is there (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field shall be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Rub out strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone shall be (K)']] : [])], this.tool, (t) => this.choose(t, bar.keys));
     this.tools.replaceChildren(bar);
     this.tools.set = bar.set;
   }
@@ -369,6 +418,15 @@ class Studio {
     this.view.update(pack);
     this.view.outdate();
     this.showCreases();
+    this.time(pack);
+  }
+
+  /** How long the field of an edit took, and how much longer it was until it was drawn. */
+  time({ meta }) {
+    const { since } = this.store, { opened } = this.times;
+    this.times = { opened, field: performance.now() - since };
+    const { times } = this;
+    this.stage.drawn().then((now) => { times.shown = now - since - 1000 * meta.seconds; });
   }
 
   onState(pack) {
@@ -378,6 +436,7 @@ class Studio {
     if (changed) {
       this.view.outdate();
       this.showCreases();
+      this.time(pack);
     }
     this.makeTools(this.design.n);
     this.show(this.design);
@@ -390,7 +449,6 @@ class Studio {
     }
     this.undoButton.disabled = !pack.meta.undo;
     this.redoButton.disabled = !pack.meta.redo;
-    this.fieldAfter = performance.now() - this.store.since;
     document.documentElement.dataset.revision = pack.meta.revision;
   }
 
@@ -406,10 +464,19 @@ class Studio {
     this.view.update(pack);
     if (part === 'colours') this.color.refresh();
     this.view.apply();
+    const { since } = this.store, { times } = this;
+    this.stage.drawn().then((now) => {
+      times[part] = now - since;
+      this.sections.memory.refresh(this.view, times);
+    });
   }
 
-  onComplete(result, ms) {
-    this.sections.memory.refresh(this.view, { field: this.fieldAfter, all: ms });
+  onComplete(result) {
+    const { since } = this.store, { times } = this;
+    this.stage.drawn().then((now) => {
+      times.all = now - since;
+      this.sections.memory.refresh(this.view, times);
+    });
     document.documentElement.dataset.details = result;
   }
 

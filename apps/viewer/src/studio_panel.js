@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_panel.js: the parts of the studio's panel that say what the design is and change it.
+import { connectionDetails, guidanceControls, remarksOf } from './design_panel.js';
 import { count, fraction, h, plain, section, segmented, short, toggle } from './dom.js';
 import { mark } from './panel.js';
+import { slider } from './slider.js';
+import { angleIn, direction } from './tangent.js';
 
 const titles = { source: 'Source', sink: 'Sink', vortex: 'Vortex', spiral: 'Spiral', saddle: 'Saddle', wedge: 'Wedge', trisector: 'Trisector' };
 
@@ -24,37 +27,30 @@ export function coneIndex(index) {
 
 export function fieldSection(app) {
   const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
-  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['trivial', 'Cones', 'Flat but for cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size']], 'global',
+  n.append(h('button', { type: 'button', role: 'radio', hidden: true, title: 'The symmetry of the design' }));
+  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['polar', 'Polar', 'Of the geodesic polar map around each vertex'], ['trivial', 'Cones', 'Flat but for cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size, or near to a connection of your own']], 'global',
     (v) => app.change((d) => setConnection(d, v)));
-  const detail = slider('Detail', { least: 0.01, most: 100, value: 1 }, (v, gesture) => app.change((d) => { d.connection = { kind: 'global', ...d.connection, detail: v }; }, gesture), () => app.store.rest());
-  detail.title = 'Smaller spreads the curvature of a vertex over more faces: the field ignores small bumps';
-  const guidance = segmented('Elsewhere', [['smoothest', 'Smoothest', 'Edits are local: elsewhere the smoothest field'], ['curvature', 'Curvature', 'Elsewhere along the directions of principal curvature'], ['none', 'Free', 'Edits decide everywhere']], 'smoothest', (v) => app.change((d) => {
-    d.guidance = { field: v, ...(v === 'none' ? {} : { weight: d.guidance?.weight || 1 }) };
-  }));
-  const hold = slider('Hold', { least: 0.01, most: 100, value: 1 }, (v, gesture) => app.change((d) => { d.guidance.weight = v; }, gesture), () => app.store.rest());
-  hold.title = 'How closely the field stays to that, away from edits';
+  connection.classList.add('wrap');
+  const details = connectionDetails(app), guidance = guidanceControls(app);
   const method = segmented('Method', [['variational', 'Exact', 'Controls are held; elsewhere near a field that is given'], ['eigen', 'Eigen', 'The smoothest field that follows strokes and has the singularities']], 'variational', (v) => app.change((d) => setMethod(d, v)));
   const energy = slider('Energy', { least: -1, most: 1, value: 0, even: true }, (v, gesture) => app.change((d) => { d.s = Number(v.toFixed(2)); }, gesture), () => app.store.rest());
   energy.title = 'Which derivative counts: −1 antiholomorphic, 0 Dirichlet, 1 holomorphic';
   const boundary = boundaryControl(app);
   const features = featureControls(app);
   const mirror = mirrorControl(app);
-  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, detail, h('h2', { class: 'sub' }, 'Method'), method, h('h2', { class: 'sub' }, 'Away from edits'), guidance, hold, energy, boundary, features, mirror);
+  const element = section('Field', n, h('h2', { class: 'sub' }, 'Connection'), connection, details, h('h2', { class: 'sub' }, 'Method'), method, guidance, energy, boundary, features, mirror);
   element.refresh = (design, reports) => {
-    const eigen = design.method === 'eigen';
+    const other = n.lastChild;
+    other.hidden = [1, 2, 4, 6].includes(design.n);
+    other.textContent = other.dataset.value = other.hidden ? '' : design.n;
     n.set(design.n);
-    connection.set(design.connection?.kind || 'global');
-    detail.hidden = (design.connection?.kind || 'global') !== 'global';
-    detail.set(design.connection?.detail ?? 1);
-    guidance.set(design.guidance?.field || 'none');
+    connection.set((design.connection?.kind || 'global').replace('-barycenter', ''));
+    details.refresh(design);
+    guidance.refresh(design);
     method.set(design.method || 'variational');
-    hold.hidden = !design.guidance?.field || design.guidance.field === 'none';
-    hold.set(design.guidance?.weight ?? 1);
     energy.set(design.s || 0);
     boundary.refresh(design, reports);
     features.refresh(design, reports);
-    // Principal directions are lines; the eigen method stays close to nothing.
-    for (const b of guidance.children) b.disabled = (eigen && b.dataset.value !== 'none') || (b.dataset.value === 'curvature' && design.n % 2 === 1);
   };
   return element;
 }
@@ -147,7 +143,10 @@ function setConnection(design, kind) {
 function setSymmetry(design, n) {
   design.n = n;
   if (n % 2 === 1) delete design.features;
-  if (n % 2 === 1 && /curvature/.test(design.guidance?.field)) design.guidance.field = 'smoothest';
+  // A file holds a field of one symmetry; principal directions are lines, and the smallest curvature has one.
+  const { file, ...guidance } = design.guidance || {};
+  const left = file || (n % 2 === 1 && /curvature/.test(guidance.field)) || (n !== 2 && guidance.field === 'least-curvature');
+  if (left) design.guidance = { ...guidance, field: 'smoothest' };
   const negative = (kind) => kind === 'saddle' || kind === 'trisector';
   for (const s of design.singularities || []) {
     s.kind = s.count > 1 ? (negative(s.kind) ? 'saddle' : 'source') : kindsOf(n).find(([, index]) => (index < 0) === negative(s.kind))[0];
@@ -157,21 +156,22 @@ function setSymmetry(design, n) {
 
 /** Everything that was asked for, each with what became of it; the chosen one with its numbers. */
 export function controlsSection(app) {
-  const list = h('ul', { class: 'controls' });
-  const element = section('Design', list);
+  const list = h('ul', { class: 'controls' }), remarks = remarksOf(app);
+  const element = section('Design', list, remarks);
   let shape = '', updates = [];
   element.refresh = (design, reports) => {
     const report = new Map((reports || []).map((r) => [r.path, r]));
+    remarks.refresh(design);
     const rows = [
       ...(design.singularities || []).map((s, k) => ({
-        path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: design.n === 1 ? s.kind : `${design.n}${kindsOf(design.n)[0][0] === s.kind || s.kind === 'source'}`,
-        label: `${titles[s.kind]}${s.count > 1 ? ` × ${s.count}` : ''} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
-        numbers: () => [...countSlider(app, k, s, design.n), slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.edit(k, (one) => { one.strength = v; }, gesture), () => app.store.rest())],
+        path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: `${design.n === 1 ? s.kind : `${design.n}${kindsOf(design.n)[0][0] === s.kind || s.kind === 'source'}`}${design.method}${Boolean(s.relative_to)}`,
+        label: `${s.name || titles[s.kind]}${s.count > 1 ? ` × ${s.count}` : ''} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
+        numbers: () => [...countSlider(app, k, s, design.n), slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.edit(k, (one) => { one.strength = v; }, gesture), () => app.store.rest()), ...pinToggle(app, k, s), ...startOfAngle(app, k, s)],
       })),
       ...(design.fixed || []).map((f, k) => ({
-        path: `/fixed/${k}`, icon: () => h('i', { class: 'mark square' }), chosen: k === app.held, kind: `direction${design.method}`,
+        path: `/fixed/${k}`, icon: () => h('i', { class: 'mark square' }), chosen: k === app.held, kind: `direction${design.method}${f.length === 'free'}`,
         label: f.name || `Direction · vertex ${f.vertex}`, choose: () => app.selectFixed(k), remove: () => app.removeFixed(k),
-        numbers: () => (app.eigen() ? [] : [lengthToggle(app, k, f)]),
+        numbers: () => (app.eigen() ? [] : [lengthToggle(app, k, f), ...lengthSlider(app, k, f)]),
       })),
       ...(design.strokes || []).map((s, k) => ({
         path: `/strokes/${k}`, icon: () => h('i', { class: 'mark stroke' }), chosen: k === app.stroked, kind: 'stroke',
@@ -186,8 +186,9 @@ export function controlsSection(app) {
     const next = JSON.stringify(rows.map(({ path, chosen, kind }) => [path, chosen, kind]));
     if (next !== shape) {
       shape = next;
-      const made = rows.map(controlRow);
+      const made = rows.map(controlRow), focus = [...list.querySelectorAll('button, input')].indexOf(document.activeElement);
       list.replaceChildren(...made.map((m) => m.element));
+      if (focus >= 0) list.querySelectorAll('button, input')[focus]?.focus();
       updates = made.map((m) => m.update);
       if (!rows.length) list.append(h('li', { class: 'empty' }, 'Nothing yet. Choose a tool on the left, then click on the surface; with the brush, draw on it.'));
     }
@@ -209,6 +210,32 @@ function countSlider(app, k, s, n) {
   const row = slider('Zeros', { least: 1, most: 8, value: s.count ?? 1, even: true, steps: 7 }, change, () => app.store.rest());
   row.title = 'So many side by side, which are one of that index from afar';
   return [row];
+}
+
+/** Whether the zero is held where it was put, or only in that face. */
+function pinToggle(app, k, s) {
+  if (app.eigen()) return [];
+  const row = toggle('Exactly here', Boolean(s.pin), (v) => app.edit(k, (one) => {
+    if (v) one.pin = [1 / 3, 1 / 3, 1 / 3];
+    else delete one.pin;
+  }));
+  row.title = 'The zero lies at this point, not just in this face';
+  return [row];
+}
+
+/** Angles of files may start from a direction of space. */
+function startOfAngle(app, k, s) {
+  if (!s.relative_to) return [];
+  const from = () => app.edit(k, (one) => {
+    one.angle = angleIn(app.view.surface, one.face, direction(app.view.surface, one.face, one.angle || 0, one.relative_to));
+    delete one.relative_to;
+  });
+  return [h('p', { class: 'quiet' }, `Its angle starts from the direction ${s.relative_to.map(plain).join(', ')}.`), h('button', { type: 'button', class: 'plain', title: 'The field stays as it is', onclick: from }, 'Start from the face')];
+}
+
+function lengthSlider(app, k, f) {
+  if (f.length === 'free') return [];
+  return [slider('Length', { least: 0.01, most: 100, value: f.length ?? 1 }, (v, gesture) => app.editFixed(k, (one) => { one.length = v; }, gesture), () => app.store.rest())];
 }
 
 function lengthToggle(app, k, f) {
@@ -235,32 +262,6 @@ function controlRow({ icon, chosen, numbers, choose, remove }) {
   return { element, update };
 }
 
-/** A number between two ends, on a scale of powers unless it is even; `rest` when it is let go. */
-function slider(label, { least, most, value, even, unit = '', steps = unit ? most - least : 200 }, change, rest) {
-  const to = (v) => (even ? v : Math.log10(v)), from = (x) => (even ? Number(x) : Number((10 ** x).toPrecision(3)));
-  const shown = h('output', {});
-  const name = () => `slider-${Date.now()}`;
-  let gesture = name(), held = false;
-  const input = h('input', { type: 'range', min: to(least), max: to(most), step: (to(most) - to(least)) / steps, 'aria-label': label, oninput: () => {
-    const v = from(input.value);
-    held = true;
-    shown.textContent = plain(v) + unit;
-    change(v, gesture);
-  }, onchange: () => {
-    gesture = name();
-    held = false;
-    rest?.();
-  } });
-  const row = h('label', { class: 'slider' }, h('span', {}, label), input, shown);
-  row.set = (v) => {
-    if (held) return;  // under the hand
-    input.value = to(v);
-    shown.textContent = plain(v) + unit;
-  };
-  row.set(value);
-  return row;
-}
-
 /** The smoothest fields one after the other, to look at: the design stays as it is. */
 export function modesSection(app) {
   const numbers = Array.from({ length: 8 }, (_, k) => [k + 1, String(k + 1), `The ${['smoothest', 'second', 'third', 'fourth', 'fifth', 'sixth', 'seventh', 'eighth'][k]}${k ? ' smoothest' : ''} field of this connection`]);
@@ -275,14 +276,15 @@ export function modesSection(app) {
   return element;
 }
 
-/** Sizes, and how long the last answer took. */
+/** Sizes, and how long the last edit took: until its field had come, until that was drawn, until the rest was. */
 export function memorySection(app) {
   const list = h('dl', {}), element = section('Figures', list);
   const size = (bytes) => (bytes < 1e9 ? `${count(Math.round(bytes / 1e6))} MB` : `${short(bytes / 1e9)} GB`);
+  const times = [['opened', 'On the screen after'], ['field', 'Field after'], ['shown', 'Drawn after the solve'], ['coarse', 'Coarse curves after'], ['curves', 'Curves after'], ['all', 'Everything after']];
   element.refresh = (view, after) => {
     const rows = [['Vertices', count(view.arrays.positions.length / 3)], ['Faces', count(view.arrays.faces.length / 3)],
       ...(view.meta.memory ? [['Memory of alcap', size(view.meta.memory)]] : []),
-      ['Field after', `${Math.round(after.field)} ms`], ['Everything after', `${Math.round(after.all)} ms`]];
+      ...times.filter(([key]) => after[key] !== undefined).map(([key, label]) => [label, `${count(Math.round(after[key]))} ms`])];
     list.replaceChildren(...rows.map(([label, value]) => h('div', { class: 'row' }, h('dt', {}, label), h('dd', {}, value))));
   };
   return element;

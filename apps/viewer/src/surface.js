@@ -48,7 +48,8 @@ void main() {
 }`;
 
 export class Surface {
-  constructor(positions, faces) {
+  /** reach: from the origin to the farthest vertex. */
+  constructor(positions, faces, reach) {
     this.positions = positions;
     this.faces = faces;
     this.normals = vertexNormals(positions, faces);
@@ -56,7 +57,7 @@ export class Surface {
     this.smooth.setAttribute('position', new BufferAttribute(positions, 3));
     this.smooth.setAttribute('normal', new BufferAttribute(this.normals, 3, true));
     this.smooth.setIndex(new BufferAttribute(faces, 1));
-    this.smooth.computeBoundingSphere();
+    this.reach = reach;
     this.maps = { sequential: texture('sequential'), diverging: texture('diverging') };
     this.material = new ShaderMaterial({
       vertexShader,
@@ -99,7 +100,7 @@ export class Surface {
 
   makeCoarse() {
     if (!this.coarse) {
-      const made = coarsen(this.positions, this.normals, this.faces, this.smooth.boundingSphere.radius / 45);
+      const made = coarsen(this.positions, this.normals, this.faces, this.reach / 45);
       this.coarse = geometryOf(made);
       this.originals = made.faces;
     }

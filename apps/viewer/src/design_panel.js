@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+//
+// design_panel.js: the parts of the panel for what a design says less often: what it stays close to, by which field, by
+// how much at which vertex; the details of its connection, and a connection of one's own that it is near to.
+import { count, h, plain, segmented, toggle } from './dom.js';
+import { slider } from './slider.js';
+
+const targets = { rotation: 'rotations of halfedges', adjustment: 'adjustments of halfedges', vertex_curvature: 'curvatures of vertices', face_curvature: 'curvatures of faces' };
+
+/** A button that reads a JSON file of this machine. */
+function jsonButton(app, label, title, take) {
+  const file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, 'aria-label': label, onchange: async () => {
+    const [one] = file.files;
+    if (!one) return;
+    try {
+      take(JSON.parse(await one.text()));
+    } catch {
+      app.onStatus('problem', 'This file is not JSON.');
+    }
+    file.value = '';
+  } });
+  return h('span', {}, h('button', { type: 'button', class: 'plain', title, onclick: () => file.click() }, label), file);
+}
+
+/** A number that is set by typing, or left out. */
+export function numberRow(label, title, change) {
+  const input = h('input', { type: 'number', class: 'turns', step: 'any', 'aria-label': label, onchange: () => {
+    const value = input.value.trim() === '' ? null : Number(input.value);
+    if (value === null || Number.isFinite(value)) change(value);
+  } });
+  const row = h('label', { class: 'row', title }, h('span', {}, label), input);
+  row.set = (value) => { if (document.activeElement !== input) input.value = value === undefined ? '' : String(value); };
+  return row;
+}
+
+export function more(title, ...children) {
+  return h('details', { class: 'more' }, h('summary', {}, title), ...children);
+}
+
+/** What the field stays close to where nothing is asked for, and how closely. */
+export function guidanceControls(app) {
+  const kinds = [['smoothest', 'Smoothest', 'Edits are local: elsewhere the smoothest field'], ['curvature', 'Curvature', 'Elsewhere along the directions of principal curvature; of lines, that of the largest'],
+    ['least-curvature', 'Least', 'Elsewhere along the direction of least curvature'], ['strongest-curvature', 'Strongest', 'Elsewhere along the direction whose curvature is largest by size, whatever its sign'],
+    ['zero', 'Small', 'Elsewhere small, and nothing else: enough for a solution on flat surfaces'], ['file', 'File', 'The field of a file'], ['none', 'Free', 'Edits decide everywhere']];
+  const choices = segmented('Elsewhere', kinds, 'smoothest', (field) => field !== 'file' && app.change((d) => {
+    const { file, field: old, ...rest } = d.guidance || {};
+    d.guidance = field === 'none' ? undefined : { weight: rest.t === undefined ? 1 : undefined, ...rest, field };
+  }));
+  choices.classList.add('wrap');
+  const keep = h('button', { type: 'button', class: 'plain', title: 'Saves this field beside the design, as what the design stays close to from now on', onclick: () => app.store.post('/api/keep') }, 'Keep this field');
+  const hold = slider('Hold', { least: 0.01, most: 100, value: 1 }, (v, gesture) => app.change((d) => { d.guidance.weight = v; }, gesture), () => app.store.rest());
+  hold.title = 'How closely the field stays to that, away from edits';
+  const t = numberRow('t instead', 'The form of Knöppel et al. 2013, in place of Hold: −1 is as much as Hold 1, more lets go, below λ₁', (value) => app.change((d) => {
+    const { weight, weights, t: old, ...rest } = d.guidance;
+    d.guidance = value === null ? { ...rest, weight: 1 } : { ...rest, t: value };
+  }));
+  const said = h('span', {}), remove = h('button', { type: 'button', class: 'plain', onclick: () => app.change((d) => { delete d.guidance.weights; }) }, 'Remove');
+  const weights = h('div', { class: 'row' }, said, remove);
+  const load = jsonButton(app, 'Weights at vertices…', 'A JSON file: a list of numbers, one for each vertex, that multiply Hold', (list) => app.change((d) => {
+    d.guidance = { ...d.guidance, weights: list };
+    delete d.guidance.t;
+  }));
+  const details = more('More of this', t, weights, load);
+  const element = h('div', { class: 'guidance' }, h('h2', { class: 'sub' }, 'Away from edits'), choices, hold, details, keep);
+  element.refresh = (design) => {
+    const g = design.guidance, eigen = design.method === 'eigen', value = g?.file ? 'file' : g?.field || 'none';
+    choices.set(value);
+    for (const b of choices.children) {
+      const v = b.dataset.value;
+      b.hidden = v === 'file' && !g?.file;
+      if (v === 'file' && g?.file) b.textContent = g.file.split('/').at(-1);
+      // Principal directions are lines; the eigen method stays close to nothing.
+      b.disabled = (eigen && v !== 'none') || (/curvature/.test(v) && design.n % 2 === 1) || (v === 'least-curvature' && design.n !== 2);
+    }
+    hold.hidden = value === 'none' || g.t !== undefined;
+    hold.set(g?.weight ?? 1);
+    details.hidden = value === 'none';
+    t.set(g?.t);
+    weights.hidden = !g?.weights;
+    if (g?.weights) said.textContent = `${count(g.weights.length)} weights, ${plain(Math.min(...spread(g.weights)))} to ${plain(Math.max(...spread(g.weights)))}`;
+  };
+  return element;
+}
+
+/** Some of a long list, both ends of its range among them. */
+function spread(list) {
+  return [list.reduce((a, b) => Math.min(a, b), Infinity), list.reduce((a, b) => Math.max(a, b), -Infinity)];
+}
+
+/** How the deviation that the connection minimises is weighed, where the polar map looks, and what it is near to. */
+export function connectionDetails(app) {
+  const edit = (act) => (v, gesture) => app.change((d) => act((d.connection ??= { kind: 'global' }), v), gesture);
+  const rest = () => app.store.rest();
+  const detail = slider('Detail', { least: 0.01, most: 100, value: 1 }, edit((c, v) => { c.detail = v; }), rest);
+  detail.title = 'Smaller spreads the curvature of a vertex over more faces: the field ignores small bumps';
+  const center = segmented('Centre', [['polar', 'Incentre', 'Directions at corners aim at the centre of the inscribed circle'], ['polar-barycenter', 'Barycentre', 'Directions at corners aim at the centre of mass']], 'polar', edit((c, v) => { c.kind = v; }));
+  const factor = segmented('Length factor', [['mean_edge', 'Mean edge', 'Neutral to scale and to the density of edges'], ['metric', 'Metric', 'Lengths as they are'], ['per_edge', 'Per edge', 'Each edge by its own length']], 'mean_edge', edit((c, v) => { c.length_factor = v; }));
+  const cap = slider('Tan cap', { least: 1, most: 100, value: 10 }, edit((c, v) => { c.tan_cap = v; }), rest);
+  cap.title = 'Tangents of half angles count at most so much: thin faces do not decide everything';
+  const weighing = more('Weights of the deviation', factor, cap);
+  const said = h('span', {}), remove = h('button', { type: 'button', class: 'plain', onclick: edit((c) => { delete c.target; delete c.spread; }) }, 'Remove');
+  const spreads = toggle('Spread its curvature', true, (v) => edit((c) => { if (v) delete c.spread; else c.spread = false; })());
+  spreads.title = 'As far as is best; off: that of a vertex stays in the faces around it';
+  const target = h('div', { class: 'target' }, h('div', { class: 'row' }, said, remove), spreads);
+  const load = jsonButton(app, 'A connection to be near to…', 'A JSON file with one of rotation, adjustment, vertex_curvature, face_curvature: see docs/design.md', (json) => edit((c) => {
+    for (const key of ['cones', 'holonomy', 'loops', 'balance']) delete c[key];
+    Object.assign(c, { kind: 'metric', target: json.target || json });
+  })());
+  const element = h('div', { class: 'connection' }, detail, center, weighing, target, load);
+  element.refresh = (design) => {
+    const c = design.connection || {}, kind = c.kind || 'global', optimal = kind !== 'local' && !kind.startsWith('polar');
+    detail.hidden = weighing.hidden = !optimal;
+    detail.set(c.detail ?? 1);
+    factor.set(c.length_factor || 'mean_edge');
+    cap.set(c.tan_cap ?? 10);
+    center.hidden = !kind.startsWith('polar');
+    center.set(kind);
+    load.hidden = kind !== 'metric';
+    target.hidden = !c.target;
+    if (!c.target) return;
+    const [[key, list]] = Object.entries(c.target);
+    said.textContent = `Near to ${count(list.length)} ${targets[key] || key}`;
+    spreads.set(c.spread !== false);
+  };
+  return element;
+}
+
+/** What the file of the design said that its list of controls does not. */
+export function remarksOf(app) {
+  const said = h('div', {});
+  const comment = h('input', { type: 'text', class: 'comment', 'aria-label': 'Comment', placeholder: 'Comment', onchange: () => app.change((d) => {
+    if (comment.value) d.comment = comment.value;
+    else delete d.comment;
+  }) });
+  const element = h('div', { class: 'remarks' }, said, comment);
+  element.refresh = (design) => {
+    if (document.activeElement !== comment) comment.value = design.comment || '';
+    said.replaceChildren(...(app.view.meta.came || []).map((text) => h('p', { class: 'quiet' }, text)));
+  };
+  return element;
+}

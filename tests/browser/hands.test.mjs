@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+//
+// hands.test.mjs: the studio without a mouse: by the keyboard alone, by fingers on a phone, without motion.
+import assert from 'node:assert/strict';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import { alcap, folder, Hand, launch, patience, studio } from './browser.mjs';
+
+let browser, mesh;
+before(async () => {
+  mesh = join(folder(), 'ball.ply');
+  alcap('make', 'icosphere:3', '-o', mesh, '-q');
+  browser = await launch();
+});
+after(async () => { await browser?.close(); });
+
+async function on(context, act, media = {}) {
+  const server = await studio(mesh, '--design', join(folder(), 'a.json'));
+  try {
+    const page = await (await browser.newContext(context)).newPage();
+    page.setDefaultTimeout(patience);
+    await page.emulateMedia(media);
+    await page.goto(server.url);
+    await page.waitForSelector('html[data-ready]');
+    const hand = new Hand(page, server);
+    await hand.settled();
+    await act(page, hand);
+    await page.context().close();
+  } finally {
+    await server.kill();
+  }
+}
+
+test('the keyboard alone places, moves, turns and removes', () => on({ viewport: { width: 1000, height: 700 } }, async (page, hand) => {
+  const key = (name) => hand.editing(() => page.keyboard.press(name));
+  await page.keyboard.press('z');
+  await page.waitForSelector('.cross', { state: 'visible' });
+  assert.ok((await page.evaluate(() => alcap.view.highlighted)) >= 0);
+  await page.keyboard.press('ArrowLeft');  // the view turns under the cross
+  await key('Enter');
+  const [placed] = hand.design().singularities;
+  assert.equal(placed.kind, 'saddle');
+  await page.waitForSelector('.cross', { state: 'hidden' });
+  // It has the focus: arrows move it.
+  assert.match(await page.evaluate(() => document.activeElement.getAttribute('aria-label')), /^saddle in face/);
+  for (let k = 0; k < 4; ++k) await key('ArrowRight');
+  const [moved] = hand.design().singularities;
+  assert.notEqual(moved.face, placed.face);
+  // The knob is the next one.
+  for (let k = 0; k < 3 && !(await page.evaluate(() => document.activeElement.classList.contains('knob'))); ++k) await page.keyboard.press('Tab');
+  await key('ArrowLeft');
+  const turned = (hand.design().singularities[0].angle - (moved.angle || 0) + 720) % 360;
+  assert.ok(Math.abs(turned - 5) < 1e-6, `${turned}`);
+  await key('Delete');
+  assert.deepEqual(hand.design().singularities || [], []);
+  // By the toolbox: the button with the focus puts it down as well.
+  await page.focus('.toolbox [data-value=source]');
+  await page.keyboard.press('Enter');
+  await key('Enter');
+  assert.equal(hand.design().singularities[0].kind, 'source');
+}));
+
+test('on a phone the sheet covers at most half, and everything is large enough for a finger', () => on({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, async (page, hand) => {
+  const middle = await page.evaluate(() => {
+    const box = alcap.stage.canvas.getBoundingClientRect();
+    return [box.left + alcap.stage.free.width / 2, box.top + alcap.stage.free.height / 2];
+  });
+  await page.tap('.toolbox [data-value=source]');
+  await hand.editing(() => page.touchscreen.tap(...middle));
+  assert.equal(hand.design().singularities.length, 1);
+  /** What can be touched and takes less than 44 pixels each way around its middle. */
+  const small = (within) => page.evaluate((within) => {
+    const found = [];
+    for (const e of document.querySelectorAll(within)) {
+      e.scrollIntoView?.({ block: 'center', inline: 'center' });
+      const box = e.getBoundingClientRect();
+      if (!box.width || !box.height || e.disabled) continue;
+      const [x, y] = [box.left + box.width / 2, box.top + box.height / 2];
+      const own = (dx, dy) => {
+        const hit = document.elementFromPoint(x + dx, y + dy), label = e.closest('label');
+        return Boolean(hit) && (hit === e || e.contains(hit) || Boolean(label && label.contains(hit)));
+      };
+      if (!own(0, 0)) continue;  // under something else
+      const [w, h] = [[-21, 0, 21, 0], [0, -21, 0, 21]].map(([a, b, c, d]) => own(a, b) && own(c, d));
+      if (!w || !h) found.push(`${e.tagName}.${e.className} ${e.textContent || e.getAttribute('aria-label')} ${Math.round(box.width)} x ${Math.round(box.height)}`);
+    }
+    return found;
+  }, within);
+  assert.deepEqual(await small('.toolbox button, .tools button, .fold, .ring, .knob'), []);
+  await page.tap('.fold');
+  const sheet = await page.locator('.panel').boundingBox();
+  assert.ok(sheet.height <= 0.5 * 844 + 1, `${sheet.height} of 844`);
+  await page.tap('.controls .name');
+  assert.deepEqual(await small('.panel button, .panel summary, .panel input, .panel .toggle, .panel .slider'), []);
+}));
+
+test('without motion the view does not glide, and switches do not slide', () => on({ viewport: { width: 1000, height: 700 } }, async (page) => {
+  assert.equal(await page.evaluate(() => alcap.stage.controls.enableDamping), false);
+  assert.equal(await page.evaluate(() => getComputedStyle(document.querySelector('.toggle i')).transitionDuration), '0s');
+  // In the dark the surface lies on a dark ground.
+  assert.ok((await page.evaluate(() => alcap.stage.scene.background.r)) < 0.05);
+}, { reducedMotion: 'reduce', colorScheme: 'dark' }));
