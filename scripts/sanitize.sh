@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# sanitize.sh [asan|tsan|valgrind|quick] [ctest options]: the tests under the sanitizers for addresses, undefined behaviour
-# and casts of floating numbers (asan), or for threads (tsan: what several threads do at the same time), or the loops for
-# packs under valgrind. quick: meshes and their readers alone, as asan. docs/reliability.md says what is left out, and why.
+# sanitize.sh [asan|tsan|valgrind|quick] [ctest options]: runs the tests with the address, undefined-behaviour and float-cast
+# sanitizers (asan), the concurrent tests with the thread sanitizer (tsan), or the vectorised loops under valgrind. quick:
+# only meshes and their readers, as asan. docs/reliability.md says what is left out, and why.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 what=asan
@@ -55,6 +55,7 @@ case $what in
     install_packages clang-14 libclang-rt-14-dev
     preset=fuzz  # one build by clang serves the fuzz targets as well
     targets=(test_{base,mesh,kernels,io,connection,energy,solvers,field,curves,run,design,faults,cli,c})
+    for source in fuzz/fuzz_*.cpp; do targets+=("$(basename "$source" .cpp)"); done
     # Left out: pages in a browser, projects that build the library once more, documents, and what other programs read.
     chosen=(-E '^(browser|consumer_.*|default_build.*|docs_.*|.*_script|bench_scripts|readme_.*|cli_.*_read_back|output_vtk)$')
     ;;

@@ -2,6 +2,7 @@
 #include "src/base/cancel.h"
 
 #include <chrono>
+#include <limits>
 
 #include "src/base/parallel.h"
 
@@ -16,6 +17,21 @@ std::int64_t now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
+
+constexpr std::int64_t never = std::numeric_limits<std::int64_t>::max();
+
+/// At the end of the block, however that is reached: the next question is due at `time`.
+class GiveBack {
+ public:
+  GiveBack(std::atomic<std::int64_t>& next_ask, std::int64_t time) : next_ask_(next_ask), time_(time) {}
+  GiveBack(const GiveBack&) = delete;
+  GiveBack& operator=(const GiveBack&) = delete;
+  ~GiveBack() { next_ask_.store(time_, std::memory_order_release); }
+
+ private:
+  std::atomic<std::int64_t>& next_ask_;
+  std::int64_t time_;
+};
 
 }  // namespace
 
@@ -35,10 +51,10 @@ void ControlScope::check() {
     if (scope->cancelled_.load(std::memory_order_relaxed)) throw Cancelled();
     const std::int64_t time = now();
     std::int64_t due = scope->next_ask_.load(std::memory_order_relaxed);
-    // Whoever moves the time of the next question on asks this one; the others go on.
-    if (time < due || !scope->next_ask_.compare_exchange_strong(due, time + ask_every, std::memory_order_relaxed)) {
-      continue;
-    }
+    // Whoever takes the time of the next question asks, and gives it back afterwards; the others go on. So one thread
+    // asks at a time, each sees what the last one wrote, and cancel() needs no lock of its own.
+    if (time < due || !scope->next_ask_.compare_exchange_strong(due, never, std::memory_order_acquire)) continue;
+    const GiveBack give_back(scope->next_ask_, time + ask_every);
     if (!(*scope->cancel_)()) continue;
     scope->cancelled_.store(true, std::memory_order_relaxed);
     throw Cancelled();

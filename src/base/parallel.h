@@ -43,24 +43,36 @@ namespace alcap {
 
 namespace detail {
 
-/// Tells ThreadSanitizer what it cannot see inside TBB: what was written before a parallel region is visible in it, and
-/// what is written in it is visible after it. Races between the bodies stay visible. Compiles to nothing otherwise.
-class RegionMarks {
- public:
+/// Tells ThreadSanitizer what it cannot see inside TBB: what was written before a parallel region is visible in its
+/// bodies, and what they wrote is visible after it, also where an exception ends them. Races between the bodies stay
+/// visible. Compiles to nothing otherwise.
+class Region {
 #if defined(__SANITIZE_THREAD__)
-  void before() { __tsan_release(&start_); }
-  void enter() { __tsan_acquire(&start_); }
-  void leave() { __tsan_release(&end_); }
-  void after() { __tsan_acquire(&end_); }
+ public:
+  Region() { __tsan_release(&start_); }
+  ~Region() { __tsan_acquire(&end_); }
+  Region(const Region&) = delete;
+  Region& operator=(const Region&) = delete;
+
+  class Inside {
+   public:
+    explicit Inside(Region& region) : region_(region) { __tsan_acquire(&region_.start_); }
+    ~Inside() { __tsan_release(&region_.end_); }
+    Inside(const Inside&) = delete;
+    Inside& operator=(const Inside&) = delete;
+
+   private:
+    Region& region_;
+  };
 
  private:
   char start_ = 0;
   char end_ = 0;
 #else
-  void before() {}
-  void enter() {}
-  void leave() {}
-  void after() {}
+ public:
+  struct Inside {
+    explicit Inside(Region&) {}
+  };
 #endif
 };
 
@@ -107,20 +119,17 @@ void parallel_ranges(std::int64_t n, std::int64_t grain, Body&& body) {
     detail::run_range(body, 0, n, grain);
     return;
   }
-  detail::RegionMarks marks;
-  marks.before();
+  detail::Region region;
   detail::ControlScope* const scope = detail::cancel::current;
   const auto run = [&](const tbb::blocked_range<std::int64_t>& r) ALCAP_UNCHECKED {
-    marks.enter();
+    const detail::Region::Inside inside(region);
     const detail::CarriedScope carried(scope);
     detail::run_range(body, r.begin() * grain, std::min(n, r.end() * grain), grain);
-    marks.leave();
   };
   // A group of its own: one that hangs on the group around it would, when another body of that throws, end here early
   // and without a word, and the body around this loop would go on with half of the results.
   tbb::task_group_context own(tbb::task_group_context::isolated);
   tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, chunks), run, own);
-  marks.after();
 }
 
 /// Calls body(i) for i in [0, n) in any order. Bodies must write disjoint elements.
@@ -213,16 +222,13 @@ void run_with_threads(int threads, Body&& body) {
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const int most = here == tbb::info::default_concurrency() ? static_cast<int>(allowed) : here;
   tbb::task_arena arena(std::min(threads, most));
-  detail::RegionMarks marks;
-  marks.before();
+  detail::Region region;
   detail::ControlScope* const scope = detail::cancel::current;
   arena.execute([&]() ALCAP_UNCHECKED {
-    marks.enter();
+    const detail::Region::Inside inside(region);
     const detail::CarriedScope carried(scope);
     detail::run_body(body);
-    marks.leave();
   });
-  marks.after();
 }
 
 /// Runs body so that this thread, while it waits for loops inside, takes no work from outside of them: for what must

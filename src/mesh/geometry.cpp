@@ -20,7 +20,7 @@ Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& 
   if (V.rows() != mesh.vertices())
     throw OptionError("V", std::to_string(V.rows()) + " rows",
                       "needs one row per vertex of the mesh, " + std::to_string(mesh.vertices()));
-  using Point = Eigen::Matrix<double, 1, 3>;
+  using Row = Eigen::Matrix<double, 1, 3>;
   const std::int64_t faces = mesh.faces();
   angle_.resize(3 * faces);
   cot_.resize(3 * faces);
@@ -37,10 +37,10 @@ Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& 
           const std::int64_t count = std::min(block, end - first);
           for (std::int64_t i = 0; i < count; ++i) {
             const std::int64_t t = first + i;
-            const Point p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
+            const Row p[3] = {V.row(mesh.F()(t, 0)), V.row(mesh.F()(t, 1)), V.row(mesh.F()(t, 2))};
             // The comparison in degenerate() is false for NaN as well; infinite points give NaN areas.
             all_good &= !degenerate(p[0], p[1], p[2]) && measurable(p[0], p[1], p[2]);
-            const Point side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
+            const Row side[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
             const double twice_area = side[0].cross(side[1]).norm();
             area_[t] = twice_area / double(2);
             for (Index c = 0; c < 3; ++c) {

@@ -11,6 +11,7 @@ target_link_libraries(test_c PRIVATE alcap::alcap_c m)
 add_test(NAME c_interface COMMAND test_c ${CMAKE_CURRENT_BINARY_DIR}/test_c.ply)
 alcap_test_environment(c_interface)
 if(CMAKE_CXX_FLAGS MATCHES "fsanitize")
+  set_target_properties(test_c PROPERTIES LINKER_LANGUAGE CXX)  # the library needs the sanitizers' part for C++
   return()
 endif()
 

@@ -207,7 +207,7 @@ struct Weighted {
 };
 
 void append(const GroupArray* from, int count, std::vector<double>& to) {
-  to.insert(to.end(), *from, *from + count * group_size);
+  for (int g = 0; g < count; ++g) to.insert(to.end(), from[g], from[g] + group_size);
 }
 
 // What relaxing the faces 0 to 7 and 8 to 15, whether they are neighbours or not, leaves everywhere.

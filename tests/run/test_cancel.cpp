@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <ctime>
 #include <filesystem>
 #include <functional>
@@ -515,6 +516,24 @@ TEST_CASE("scopes: nested ones both count, the inner one ends with its call, exc
   CHECK(controlled({}, [] { return std::string("value"); }) == "value");
   CHECK_THROWS_WITH_AS(controlled({.cancel = []() -> bool { throw std::logic_error("broken"); }}, [] {}), "broken",
                        std::logic_error);
+}
+
+TEST_CASE("one thread at a time asks, also while an answer takes long") {
+  std::atomic<int> inside{0}, most{0};
+  int asked = 0;  // without a lock: that is the promise
+  const auto slow_answer = [&] {
+    most = std::max(most.load(), ++inside);
+    ++asked;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    --inside;
+    return false;
+  };
+  controlled({.cancel = slow_answer}, [] {
+    parallel_for(
+        40, [](std::int64_t) { std::this_thread::sleep_for(std::chrono::milliseconds(5)); }, 1);
+  });
+  CHECK(asked > 1);
+  CHECK(most == 1);
 }
 
 TEST_CASE("a loop inside of another loop's body does all of its work or throws, whatever other bodies throw") {
