@@ -66,7 +66,7 @@ std::vector<std::filesystem::path> write_field(const FieldOutput& output, std::s
 /// The extensions that write_field knows, without the leading dot.
 [[nodiscard]] std::vector<std::string> field_formats();
 
-/// Those of them that hold what most programs read: all but the tables.
+/// Those that a folder gets unless others are asked for: the binary ones that hold everything, ply and vtp.
 [[nodiscard]] std::vector<std::string> usual_field_formats();
 
 /// The one of field_formats() that a file name ends with (case does not matter), or empty.

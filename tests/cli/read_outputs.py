@@ -124,7 +124,7 @@ def main():
             return run.returncode
 
         alcap("make", "icosphere:3", "-o", "mesh.obj", "-q")
-        alcap("field", "mesh.obj", "-n", "4", "-o", "out", "-q")
+        alcap("field", "mesh.obj", "-n", "4", "-o", "out", "--formats", "all", "-q")
         for format in ("vtp", "obj", "json"):
             alcap("field", "mesh.obj", "--curves", f"curves.{format}", "--curve-spacing", "0.04", "-q")
         # A build without pictures, or a machine without OpenGL, says so with code 6; test_cli_picture looks at that.

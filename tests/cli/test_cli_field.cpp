@@ -224,7 +224,7 @@ TEST_CASE("with prescribed cones the singularities lie at them and nowhere else"
   CHECK(folder.run("field s.obj -n 4 --cone 9999:2").exit == 2);  // no such vertex
 }
 
-TEST_CASE("a folder gets all formats and a report equal to --json; an existing folder is filled, other files stay") {
+TEST_CASE("a folder gets binary files and a report equal to --json; an existing folder is filled, other files stay") {
   const CliFolder folder;
   folder.write("s.obj", icosphere(2));
   const CliResult first = folder.run("field s.obj -o deep/out --json");
@@ -234,9 +234,10 @@ TEST_CASE("a folder gets all formats and a report equal to --json; an existing f
   std::set<std::string> expected{"s.obj", "deep", "deep/out"};
   for (const Json& f : report["files"]) expected.insert(f.get<std::string>());
   CHECK(folder.files() == expected);
-  for (const char* f : {"field.ply", "field.vtp", "field.rawfield", "field.sings", "field.rosy", "report.json"}) {
+  for (const char* f : {"field.ply", "field.vtp", "field_singularities.vtp", "report.json"}) {
     CHECK(expected.count(std::string("deep/out/") + f) == 1);
   }
+  CHECK(expected.size() == 7);
 
   folder.write("deep/out/mine.txt", "keep me");
   expected.insert("deep/out/mine.txt");
@@ -244,6 +245,12 @@ TEST_CASE("a folder gets all formats and a report equal to --json; an existing f
   CHECK(folder.files() == expected);
   CHECK(folder.read_json("deep/out/report.json")["options"]["n"] == 2);
   CHECK(read_field(folder.work() / "deep/out/field.ply").field.n == 2);
+
+  // Every format that there is, and nothing else has that name.
+  REQUIRE(folder.run("field s.obj -o every --formats all").exit == 0);
+  for (const std::string& format : field_formats()) CHECK(folder.files().count("every/field." + format) == 1);
+  CHECK(folder.files().count("every/field.sings") == 1);
+  CHECK(folder.run("field s.obj -o two --formats all,ply").exit == 2);
 }
 
 TEST_CASE("--unit writes directions of length one, the default n-vectors whose M-norm is one") {

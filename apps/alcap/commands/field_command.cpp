@@ -28,7 +28,7 @@ namespace {
 
 constexpr const char* footer =
     "Examples:\n"
-    "  alcap field bunny.ply -n 4 -o out            cross field; out/ gets all formats and report.json\n"
+    "  alcap field bunny.ply -n 4 -o out            cross field; out/ gets field.ply, field.vtp, report.json\n"
     "  alcap field bunny.ply -n 2 -o lines.vtp      line field for ParaView\n"
     "  alcap field bunny.ply -o out --formats ply,rosy\n"
     "  alcap field scan.stl --repair weld -o out    a triangle soup, welded first\n"

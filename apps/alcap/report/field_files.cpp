@@ -13,8 +13,10 @@ void add_files_options(cli::App& app, FilesChoice& choice) {
                  "Folder to create (or fill), or one file whose extension picks the format. Without it nothing is "
                  "written")
       ->type_name("OUT");
-  app.add_option("--formats", choice.formats,
-                 "Of the files in the folder, only these: ply,vtp,rawfield,rosy,csv,npy,dmat, or vertex.csv, ...")
+  app.add_option(
+         "--formats", choice.formats,
+         "The files in the folder: ply, vtp, rawfield, rosy, csv, npy, dmat, vertex.rawfield, vertex.csv, ..., or "
+         "all. Default: ply,vtp")
       ->type_name("LIST")
       ->delimiter(',')
       ->allow_extra_args(false);
@@ -24,13 +26,14 @@ void add_files_options(cli::App& app, FilesChoice& choice) {
            choice.reader = from_name<Reader>(text);
            if (!choice.reader) throw cli::ValidationError("--for", text + " not in {quadwild,directional}");
          },
-         "Write what this program goes on from, mesh and all, into the folder: quadwild or directional")
+         "Write the files that this program reads, mesh included, into the folder: quadwild or directional")
       ->type_name("PROGRAM");
 }
 
 std::vector<std::string> chosen_formats(const FilesChoice& choice) {
   if (choice.formats.empty()) return usual_field_formats();
   const std::vector<std::string> known = field_formats();
+  if (choice.formats == std::vector<std::string>{"all"}) return known;
   for (const std::string& f : choice.formats) {
     if (std::find(known.begin(), known.end(), f) == known.end())
       throw Failure(Exit::usage, fmt::format("--formats {}: unknown; known are {}", f, fmt::join(known, ", ")),
@@ -45,12 +48,12 @@ OutputPlan plan_files(const FilesChoice& choice) {
   for (const std::string& f : field_formats()) extensions.push_back("." + f);
   OutputPlan plan = plan_output(choice.output, extensions);
   if (plan.kind != OutputPlan::Kind::folder && !choice.formats.empty())
-    throw Failure(Exit::usage, "--formats goes with -o FOLDER; the extension of a file already says its format",
+    throw Failure(Exit::usage, "--formats needs -o FOLDER; the extension of a file already says its format",
                   {{"option", "--formats"}});
   if (choice.reader && !choice.formats.empty())
     throw Failure(Exit::usage, "--for and --formats exclude each other", {{"option", "--for"}});
   if (choice.reader && plan.kind != OutputPlan::Kind::folder)
-    throw Failure(Exit::usage, "--for writes several files: it goes with -o FOLDER", {{"option", "--for"}});
+    throw Failure(Exit::usage, "--for writes several files, so it needs -o FOLDER", {{"option", "--for"}});
   return plan;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 //
-// field_files.h: -o and --formats of the commands that compute a field: one file, or a folder of all formats with a
+// field_files.h: -o and --formats of the commands that compute a field: one file, or a folder of several formats with a
 // report.json.
 #pragma once
 

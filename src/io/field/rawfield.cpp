@@ -104,7 +104,7 @@ WrittenFiles write_per_vertex(const FieldJob& job, const Target& target) {
 
 }  // namespace
 
-const OutputFormat rawfield_format = {"rawfield", true, write_per_face};
-const OutputFormat vertex_rawfield_format = {"vertex.rawfield", false, write_per_vertex};
+const OutputFormat rawfield_format = {"rawfield", true, write_per_face, true};
+const OutputFormat vertex_rawfield_format = {"vertex.rawfield", false, write_per_vertex, true};
 
 }  // namespace alcap::detail

@@ -30,6 +30,6 @@ WrittenFiles write_rosy(const FieldJob& job, const Target& target) {
 
 }  // namespace
 
-const OutputFormat rosy_format = {"rosy", true, write_rosy};
+const OutputFormat rosy_format = {"rosy", true, write_rosy, true};
 
 }  // namespace alcap::detail
