@@ -49,12 +49,12 @@ constexpr const char* description =
 
 constexpr const char* footer =
     "Start with:\n"
-    "  alcap info bunny.ply                 is this mesh fit, and if not, why\n"
+    "  alcap info bunny.ply                 is this mesh usable, and if not, why\n"
     "  alcap field bunny.ply -n 4 -o out    a cross field, its files and its report into the folder out\n"
     "\n"
     "Every command has its own --help, and --json for programs.\n"
     "Exit codes: 0 ok, 2 usage, 3 input file, 4 mesh unusable, 5 result not certified, 6 output not\n"
-    "written, 7 solver or memory, 1 internal error, 130 interrupted.";
+    "written, 7 solver or memory, 8 a control of the design missed, 1 internal error, 130 interrupted.";
 
 std::string version_text() {
   std::string sets, solvers;

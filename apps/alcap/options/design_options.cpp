@@ -247,8 +247,8 @@ void add_constraint_options(cli::App& app, DesignFlags& flags) {
       [&flags](const std::string& text) { flags.fixed.push_back(parse_fixed(text)); });
   app.add_option_function<std::string>(
          "--guidance", [&flags](const std::string& text) { flags.guidance = parse_guidance(text); },
-         "What the field stays close to: FIELD.ply written by alcap, smoothest, curvature (n even), least-curvature "
-         "(n = 2) or zero; then :WEIGHT, default 1")
+         "What the field stays close to: FIELD.ply written by alcap, smoothest, curvature or strongest-curvature "
+         "(n even), least-curvature (n = 2) or zero; then :WEIGHT, default 1")
       ->type_name("FIELD[:WEIGHT]")
       ->group("Controls");
   add_list(app, "--stroke", "FILE[:WEIGHT]",

@@ -85,11 +85,11 @@ void check(const std::string& path, const DesignSingularity& s, int n) {
   if (s.count < 1 || s.count > detail::largest_count)
     throw Problem{path + "/count", std::to_string(s.count), "must be 1 to " + std::to_string(detail::largest_count)};
   if (s.count > 1 && of_vectors)
-    throw Problem{path + "/count", std::to_string(s.count), "goes with source and saddle; " + kind + " has index 1"};
+    throw Problem{path + "/count", std::to_string(s.count), "is only for source and saddle; " + kind + " has index 1"};
   check_positive(path + "/strength", s.strength);
   if (s.barycentric) {
     check_barycentric(path + "/pin", *s.barycentric);
-    if (s.at) throw Problem{path + "/pin", text(*s.barycentric), "goes with face; with at, give true"};
+    if (s.at) throw Problem{path + "/pin", text(*s.barycentric), "needs face; with at, give true"};
     if (!s.pin) throw Problem{path + "/pin", text(*s.barycentric), "coordinates of a pin without a pin"};
   }
 }
@@ -102,7 +102,7 @@ void check(const std::string& path, const DesignFixed& f) {
   if (f.angle) check_finite(path + "/angle", *f.angle);
   if (f.relative_to) {
     check_direction(path + "/relative_to", *f.relative_to);
-    if (!f.angle) throw Problem{path + "/relative_to", text(*f.relative_to), "goes with angle"};
+    if (!f.angle) throw Problem{path + "/relative_to", text(*f.relative_to), "needs angle"};
   }
   check_positive(path + "/length", f.length);
   if (f.free_length && f.length != 1)
@@ -147,13 +147,14 @@ void check(const DesignGuidance& g, int n) {
   if (((g.source == Source::curvature || g.source == Source::strongest_curvature) && n % 2 != 0) ||
       (g.source == Source::least_curvature && n != 2))
     throw Problem{"/guidance/field", "\"" + std::string(name(g.source)) + "\"",
-                  g.source == Source::curvature
-                      ? "principal directions are lines: n must be even, and here it is " + std::to_string(n)
-                      : "is for n = 2, and here n = " + std::to_string(n)};
+                  g.source == Source::least_curvature
+                      ? "needs n = 2, and here n = " + std::to_string(n)
+                      : "principal directions are lines: n must be even, and here it is " + std::to_string(n)};
   if (g.t) {
     check_finite("/guidance/t", *g.t);
-    if (g.weight != 1) throw Problem{"/guidance/t", number_text(*g.t), "goes instead of weight"};
-    if (!g.weights.empty()) throw Problem{"/guidance/t", number_text(*g.t), "weights per vertex go with weight"};
+    if (g.weight != 1) throw Problem{"/guidance/t", number_text(*g.t), "cannot be combined with weight"};
+    if (!g.weights.empty())
+      throw Problem{"/guidance/t", number_text(*g.t), "cannot be combined with weights per vertex; they need weight"};
   }
   double sum = 0;
   for (std::size_t k = 0; k < g.weights.size(); ++k) {
@@ -174,7 +175,7 @@ void check(const DesignFeatures& f, int n) {
 
 void check_eigen(const DesignFile& design) {
   const auto refuse = [](const std::string& path, const std::string& value) {
-    throw Problem{path, value, "goes with the variational method, and here it is eigen"};
+    throw Problem{path, value, "needs the variational method, and here it is eigen"};
   };
   if (design.guidance.source != DesignGuidance::Source::nothing)
     refuse("/guidance", std::string(name(design.guidance.source)));
@@ -187,7 +188,7 @@ void check_eigen(const DesignFile& design) {
 
 std::string at(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
 
-/// What goes with which kind of connection, and cones that are what it takes.
+/// Which keys each kind of connection takes, and whether its cones are possible.
 void check_connection(const DesignConnection& c, int n) {
   check_positive("/connection/detail", c.detail);
   check_positive("/connection/tan_cap", c.tan_cap);
@@ -196,15 +197,15 @@ void check_connection(const DesignConnection& c, int n) {
     if (!fits) throw Problem{std::string("/connection/") + key, value, rule};
   };
   const bool cones = !c.cones.empty() || !c.cones_at.empty();
-  const char* const flat = "goes with a trivial or metric connection";
+  const char* const flat = "needs a trivial or metric connection";
   needs(!cones || trivial || metric, "cones", std::to_string(c.cones.size() + c.cones_at.size()) + " cones", flat);
   needs(c.holonomy.empty() || trivial || metric, "holonomy", std::to_string(c.holonomy.size()) + " values", flat);
   needs(c.loops.empty() || trivial || metric, "loops", std::to_string(c.loops.size()) + " values", flat);
-  needs(!c.balance || trivial, "balance", "true", "goes with a trivial connection");
+  needs(!c.balance || trivial, "balance", "true", "needs a trivial connection");
   const bool target = !c.target.levi_civita();
-  needs(!target || metric, "target", "given", "goes with a metric connection");
+  needs(!target || metric, "target", "given", "needs a metric connection");
   needs(!target || !(cones || !c.holonomy.empty() || !c.loops.empty()), "target", "given",
-        "goes instead of cones, holonomy and loops");
+        "cannot be combined with cones, holonomy and loops");
   // Of a metric connection any fraction of a turn will do.
   const auto turn = [&](const std::string& path, double turns) {
     if (metric)

@@ -322,7 +322,7 @@ DesignGuidance read_guidance(const Node& node, const std::filesystem::path& fold
   if (const auto x = node.find("weight")) g.weight = x->number();
   if (const auto x = node.find("t")) {
     g.t = x->number();
-    if (node.find("weight")) x->fail("goes instead of weight");
+    if (node.find("weight")) x->fail("cannot be combined with weight");
   }
   if (const auto x = node.find("weights"))
     for (const Node& w : x->list()) g.weights.push_back(w.number());

@@ -176,7 +176,7 @@ void Designer::set_guidance_weights(const VectorX<double>& weights) {
     if (!(weights[v] >= 0) || !std::isfinite(weights[v]))
       throw OptionError("weights", weights[v], "of vertex " + std::to_string(v) + " must be finite and not negative");
   if (!(weights.maxCoeff() > 0)) throw OptionError("weights", "all 0", "one at least must be positive");
-  if (s.options.t) throw OptionError("t", *s.options.t, "weights per vertex go with guidance_weight");
+  if (s.options.t) throw OptionError("t", *s.options.t, "cannot be combined with weights per vertex; they need guidance_weight");
   controlled(s.options.control, [&] {
     s.reweight([&] {
       s.weighted = s.M;

@@ -106,7 +106,7 @@ ControlLoad ControlLoads::operator()(const Stroke& stroke) const {
   if (!(stroke.radius >= 0) || !std::isfinite(stroke.radius))
     throw OptionError("radius", stroke.radius, "must be finite and not negative");
   if (stroke.line.segments.empty()) {
-    if (stroke.radius > 0) throw OptionError("radius", stroke.radius, "goes with a line");
+    if (stroke.radius > 0) throw OptionError("radius", stroke.radius, "needs a line");
     return along_points(stroke);
   }
   if (!stroke.points.empty())
