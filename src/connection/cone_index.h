@@ -17,8 +17,17 @@ namespace alcap::detail {
 /// is a third.
 inline constexpr double multiple_tolerance = 1e-6;
 
+/// Indices and holonomies beyond have no digits left to tell one branch from the next.
+inline constexpr double most_turns = 1e6;
+
+/// Throws OptionError unless `turns` is finite and within most_turns.
+inline void check_turns(const char* field, double turns) {
+  if (!(std::abs(turns) <= most_turns)) throw OptionError(field, turns, "must be in [-1e6, 1e6] turns");
+}
+
 /// Throws OptionError unless `turns` is a multiple of 1/n.
 inline void check_multiple(const char* field, double turns, int n) {
+  check_turns(field, turns);
   if (!(std::abs(turns * n - std::nearbyint(turns * n)) <= multiple_tolerance))
     throw OptionError(field, turns, "must be a multiple of 1/" + std::to_string(n));
 }

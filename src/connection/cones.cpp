@@ -74,7 +74,7 @@ class Balance {
         continue;
       }
       if (unbalanced(c) && !(needed <= double(inside_[c])))
-        throw OptionError("cones", needed,
+        throw OptionError("balance_cones", needed,
                           "more cones of 1/" + std::to_string(n_) + " would be needed on component " +
                               std::to_string(c) + ", which has " + std::to_string(inside_[c]) +
                               " vertices off the boundary");

@@ -8,6 +8,7 @@
 #include "alcap/connection.h"
 #include "src/base/array.h"
 #include "src/base/parallel.h"
+#include "src/connection/cone_index.h"
 #include "src/connection/cone_problem.h"
 #include "src/connection/construction.h"
 #include "src/connection/face_curvature.h"
@@ -26,8 +27,9 @@ void check_array(const char* field, const VectorX<double>& values, std::int64_t 
     throw OptionError(field, std::to_string(values.size()) + " entries",
                       std::string("needs one per ") + what + ", " + std::to_string(size));
   for (Eigen::Index k = 0; k < values.size(); ++k)
-    if (!std::isfinite(values[k]))
-      throw OptionError(std::string(field) + "[" + std::to_string(k) + "]", values[k], "must be finite");
+    if (!(std::abs(values[k]) <= 2 * pi<double> * detail::most_turns))
+      throw OptionError(std::string(field) + "[" + std::to_string(k) + "]", values[k],
+                        "must be finite, and at most a million turns, in radians");
 }
 
 // Throws unless the curvatures of every closed component sum to 2 pi chi.

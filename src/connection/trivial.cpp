@@ -36,7 +36,7 @@ struct Wish {
 
   [[nodiscard]] bool any() const { return n == 0; }
   void check(const char* field, double turns) const {
-    if (!std::isfinite(turns)) throw OptionError(field, turns, "must be finite");
+    detail::check_turns(field, turns);
     if (!any()) check_multiple(field, turns, n);
   }
 };

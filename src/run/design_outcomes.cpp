@@ -194,9 +194,9 @@ void certify_design(DesignRun& run, bool eigen_converged, double largest_residua
     run.remarks.push_back(not_parallel(run.design.n));
   warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
   warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
-  warn(c.residual_small, "residual_large",
+  warn(c.residual_small || run.design.method == DesignMethod::eigen, "residual_large",
        "the linear solve did not reach its tolerance; try another DesignRunOptions::solver");
-  warn(c.index_sums_match, "index_sum_mismatch",
+  warn(c.index_sums_match || !c.finite, "index_sum_mismatch",
        "the indices do not sum to what topology demands; please report this mesh");
   warn(c.finite, "not_finite", "the field has values that are not finite numbers");
 }

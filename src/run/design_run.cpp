@@ -102,7 +102,8 @@ DesignStages::DesignStages(Surface surface, DesignRunOptions options, bool once)
     : surface_(std::move(surface)), options_(std::move(options)), once_(once) {
   if (options_.threads < 0 || options_.threads > most_threads)
     throw OptionError("threads", options_.threads, "must be 0 (all of the machine) or 1 to 4096");
-  if (!(options_.residual > 0)) throw OptionError("residual", options_.residual, "must be positive");
+  if (!(options_.residual > 0 && options_.residual < 1))
+    throw OptionError("residual", options_.residual, "must be in (0, 1)");
 }
 
 void DesignStages::forget() {

@@ -76,7 +76,7 @@ void remark_separate_pieces(const Surface& surface, std::vector<Remark>& remarks
   const auto pieces = static_cast<std::int64_t>(surface.topology().components.size());
   const char* const where = same > 0 ? " exactly where another one does" : " within 1e-6 of the size of another one";
   std::string message = counted(same + near, "boundary vertex lies", "boundary vertices lie") + where +
-                        ", but the faces do not share them; the mesh was taken as " +
+                        ", but the faces do not share them; the mesh is taken as " +
                         counted(pieces, "piece", "separate pieces");
   if (welding_helps(surface, same > 0 ? 0 : near_coincident))
     message += same > 0 ? "; join them with Repair::weld" : "; join them with Repair::weld:1e-6";
@@ -176,7 +176,7 @@ void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::ve
     if (run.index_sums[c].sum == run.index_sums[c].expected) continue;
     if (static_cast<std::size_t>(sums.count++) < most_named) sums.first.push_back(static_cast<Index>(c));
   }
-  if (sums.count > 0) {
+  if (sums.count > 0 && run.certificate.finite) {
     sums.message = "the indices do not sum to what topology demands on " +
                    counted(sums.count, "component", "components") + "; please report this mesh";
     remarks.push_back(std::move(sums));
@@ -315,14 +315,14 @@ std::vector<Remark> mesh_remarks(const Surface& surface) {
          .warning = false,
          .message = "the surface has " +
                     counted(static_cast<std::int64_t>(topology.loops.size()), "boundary loop", "boundary loops") +
-                    "; the field is free there (natural boundary condition)",
+                    "; a field that is not aligned with it is free there (natural boundary condition)",
          .count = static_cast<std::int64_t>(topology.loops.size())});
   }
   if (topology.components.size() > 1) {
     remarks.push_back({.code = "components",
                        .warning = false,
                        .message = "the mesh has " + std::to_string(topology.components.size()) +
-                                  " components; each was solved on its own",
+                                  " components; each is solved on its own",
                        .count = static_cast<std::int64_t>(topology.components.size())});
   }
   return remarks;

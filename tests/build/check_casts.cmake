@@ -6,10 +6,11 @@
 #
 #   cmake -D ROOT=. -P tests/build/check_casts.cmake
 file(GLOB_RECURSE files RELATIVE ${ROOT} ${ROOT}/src/*.cpp ${ROOT}/src/*.h ${ROOT}/apps/*.cpp ${ROOT}/apps/*.h
-  ${ROOT}/solvers/*.cpp ${ROOT}/solvers/*.h ${ROOT}/include/*.h)
+  ${ROOT}/solvers/*.cpp ${ROOT}/solvers/*.h ${ROOT}/include/*.h ${ROOT}/c/*.cpp ${ROOT}/c/*.h ${ROOT}/python/src/*.cpp
+  ${ROOT}/python/src/*.h)
 set(rounds "(^|[^a-zA-Z_])(l?lround|l?lrint)[fl]?\\(")
 set(integer "(Index|int|long|unsigned|char|std::size_t|size_t|std::u?int[0-9]+_t|std::ptrdiff_t|Eigen::Index)")
-set(floating "std::(floor|ceil|round|nearbyint|trunc|sqrt|pow|exp2?|log2?|hypot|fmod)\\(|[^();]*[0-9][.][0-9]")
+set(floating "std::(floor|ceil|round|nearbyint|trunc|sqrt|pow|exp2?|log2?|hypot|fmod)\\(|[^();]*([0-9][.][0-9]|[0-9]e[0-9])")
 set(found 0)
 foreach(file IN LISTS files)
   if(file STREQUAL "src/base/numbers.h")

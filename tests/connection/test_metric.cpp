@@ -3,6 +3,9 @@
 // Metric connections with cones and holonomies of any size, and the connection nearest to a target.
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
 #include "alcap/strokes.h"
@@ -327,4 +330,25 @@ TEST_CASE("what cannot be is refused, by name") {
         }) == "target");
   CHECK(field_of([&] { (void)connect(sphere, {.kind = ConnectionKind::metric, .balance_cones = true}); }) ==
         "balance_cones");
+}
+
+TEST_CASE("turns beyond what a double tells apart are refused") {
+  const Surface surface = surface_of(icosphere(1));
+  constexpr auto metric = ConnectionKind::metric;
+  const auto refused = [&](const ConnectionOptions& options) {
+    CHECK_THROWS_AS((void)connect(surface, options), OptionError);
+  };
+  for (const double turns : {1e7, 1e15, 1e300, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    CAPTURE(turns);
+    refused({.kind = metric, .cones = {{0, turns}, {1, 2 - turns}}});
+    refused({.kind = ConnectionKind::trivial, .cones = {{0, turns}, {1, 2 - turns}}, .n = 1});
+    const auto all = [&](Eigen::Index count) {
+      return VectorX<double>::Constant(count, 2 * pi<double> * turns).eval();
+    };
+    refused({.kind = metric, .target = {.rotation = all(surface.mesh().halfedges())}});
+    refused({.kind = metric, .target = {.adjustment = all(surface.mesh().halfedges())}});
+    refused({.kind = metric, .target = {.vertex_curvature = all(surface.mesh().vertices())}});
+    refused({.kind = metric, .target = {.face_curvature = all(surface.mesh().faces())}});
+  }
+  CHECK(connect(surface, {.kind = metric, .cones = {{0, 1e5}, {1, 2 - 1e5}}}).connection().flat);
 }

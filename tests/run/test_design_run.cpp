@@ -6,6 +6,9 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <limits>
+
 #include "alcap/alignment.h"
 #include "alcap/generators.h"
 #include "alcap/smoothest.h"
@@ -170,7 +173,9 @@ TEST_CASE("what is wrong is named by its place in the design, and a session goes
   const DesignRun after = session.solve(crosses());
   CHECK(relative(after.field, before.field) < 1e-10);
   CHECK(field_of([&] { (void)run_design(surface, crosses(), {.threads = -1}); }) == "threads");
-  CHECK(field_of([&] { (void)run_design(surface, crosses(), {.residual = 0}); }) == "residual");
+  // A certificate that accepts anything is none.
+  for (const double residual : {0.0, -1.0, 1.0, 1e300, std::numeric_limits<double>::infinity(), std::nan("")})
+    CHECK(field_of([&] { (void)run_design(surface, crosses(), {.residual = residual}); }) == "residual");
 }
 
 TEST_CASE("phases are told in order, and an exception thrown from one leaves the session usable") {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <new>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "alcap/batch.h"
@@ -32,9 +33,14 @@ std::vector<std::filesystem::path> read_list(const std::filesystem::path& list) 
   const detail::InputFile input(list, {.what = "list of meshes", .largest = std::int64_t{1} << 30});
   std::istringstream in{std::string(input.bytes())};
   std::vector<std::filesystem::path> paths;
-  for (std::string line; std::getline(in, line);) {
+  bool first = true;
+  for (std::string line; std::getline(in, line); first = false) {
+    if (first && line.starts_with("\xEF\xBB\xBF")) line.erase(0, 3);  // a byte order mark
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line.front() == '#') continue;
+    if (line.find('\0') != std::string::npos)
+      throw Failure(Exit::input, fmt::format("{}: a name has a zero byte; give one path a line", list.string()),
+                    {{"path", list.string()}});
     const std::filesystem::path path(line);
     paths.push_back(path.is_absolute() ? path : list.parent_path() / path);
   }
@@ -42,6 +48,29 @@ std::vector<std::filesystem::path> read_list(const std::filesystem::path& list) 
     throw Failure(Exit::input, fmt::format("{}: the list names no mesh; give one path a line", list.string()),
                   {{"path", list.string()}});
   return paths;
+}
+
+std::filesystem::path field_path(const BatchChoice& choice, const std::filesystem::path& mesh,
+                                 const std::string& format) {
+  return choice.folder / (mesh.stem().string() + "." + format);
+}
+
+/// No output is a mesh of the list. By names without links and dots: a list may be long.
+void check_kept(const BatchChoice& choice, const std::vector<std::filesystem::path>& paths, const Common& common) {
+  std::error_code error;  // a name that cannot be followed is told when it is read
+  std::set<std::filesystem::path> meshes;
+  for (const std::filesystem::path& path : paths) meshes.insert(std::filesystem::weakly_canonical(path, error));
+  const auto check = [&](const char* flag, const std::filesystem::path& output) {
+    if (output.empty() || !meshes.contains(std::filesystem::weakly_canonical(output, error))) return;
+    throw Failure(Exit::usage,
+                  fmt::format("{} {} would replace a mesh of the list; give another name", flag, output.string()),
+                  {{"option", flag}, {"value", output.string()}});
+  };
+  check("--report", common.report);
+  check("--lines", choice.lines);
+  if (choice.folder.empty()) return;
+  for (const std::filesystem::path& path : paths)
+    for (const std::string& format : choice.formats) check("-o", field_path(choice, path, format));
 }
 
 /// Fields are named after their meshes, so no two meshes may have the same name.
@@ -125,11 +154,7 @@ class Lines {
 
 void write_fields(const BatchChoice& choice, const MeshChoice& mesh, const FieldRun& run, bool unit) {
   std::vector<std::filesystem::path> paths;
-  for (const std::string& f : choice.formats) {
-    std::string name = mesh.path.stem().string();
-    name += "." + f;
-    paths.push_back(choice.folder / name);
-  }
+  for (const std::string& f : choice.formats) paths.push_back(field_path(choice, mesh.path, f));
   write_guarded([&] { (void)write_field(output_of(run, unit), paths); });
 }
 
@@ -183,6 +208,7 @@ Outcome run_field_batch(const BatchChoice& choice, const MeshChoice& mesh, const
                         const Common& common) {
   const detail::Stopwatch total;
   const std::vector<std::filesystem::path> paths = read_list(choice.list);
+  check_kept(choice, paths, common);
   if (!choice.folder.empty()) {
     check_names(paths);
     std::error_code error;

@@ -35,8 +35,16 @@ struct ExportOptions {
   double energy = 0;
 };
 
-Outcome run(const ExportOptions& options, Progress& progress) {
+Outcome run(const ExportOptions& options, const Common& common, Progress& progress) {
+  if (const std::filesystem::path& out = options.output;
+      out.has_filename() && out.has_extension() && !is_directory(out))
+    throw Failure(Exit::usage,
+                  fmt::format("-o {}: the matrices go into a folder; put a / at the end of its name", out.string()),
+                  {{"option", "-o"}, {"value", out.string()}});
   const OutputPlan plan = plan_output(options.output, {});
+  const std::string stiffness = "stiffness." + options.format, mass = "mass." + options.format;
+  check_distinct({{"--report", common.report}, {"-o", plan.target / stiffness}, {"-o", plan.target / mass}},
+                 {{"mesh", options.mesh.path}});
   progress.phase("reading");
   MeshFile file = read_choice(options.mesh);
   std::vector<Remark> remarks;
@@ -61,7 +69,6 @@ Outcome run(const ExportOptions& options, Progress& progress) {
 
   progress.phase("writing");
   const MatrixFormat format = from_name<MatrixFormat>(options.format).value();
-  const std::string stiffness = "stiffness." + options.format, mass = "mass." + options.format;
   for (const std::string& name : {stiffness, mass, std::string("report.json")})
     report["files"].push_back((plan.target / name).string());
   write_folder(plan.target, [&](const std::filesystem::path& folder) {
@@ -99,7 +106,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->check(cli::Range(-1.0, 1.0));
   app.add_option("-o,--output", options->output, "Folder for the files")->required()->type_name("FOLDER");
   add_connection_options(app, options->connection);
-  return [options](const Common&, Progress& progress) { return run(*options, progress); };
+  return [options](const Common& common, Progress& progress) { return run(*options, common, progress); };
 }
 
 }  // namespace

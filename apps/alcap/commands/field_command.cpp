@@ -269,24 +269,33 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   return outcome;
 }
 
+/// What belongs to one mesh does not go with a batch.
+void refuse_with_batch(const FieldOptions& options) {
+  const auto refuse = [](bool given, const char* option) {
+    if (given)
+      throw Failure(Exit::usage, fmt::format("{} is for one mesh, and --batch has many", option), {{"option", option}});
+  };
+  refuse(!options.mesh.lengths.empty(), "--lengths");
+  refuse(options.files.reader.has_value(), "--for");
+  refuse(!options.sizing.file.empty(), "--sizing");
+  refuse(!options.features.empty(), "--features");
+  refuse(options.run.modes > 1, "--modes");
+  refuse(!options.show.html.empty(), "--html");
+  refuse(!options.show.picture.file.empty(), "--png");
+  refuse(!options.show.picture.curves.empty(), "--curves");
+}
+
 Outcome run_batch_of(FieldOptions options, const Common& common) {
   if (!options.mesh.path.empty()) {
     throw Failure(Exit::usage, "MESH and --batch exclude each other; put the mesh into the list",
                   {{"option", "--batch"}});
   }
-  if (!options.mesh.lengths.empty())
-    throw Failure(Exit::usage, "--lengths is for one mesh, and --batch has many", {{"option", "--lengths"}});
+  refuse_with_batch(options);
   options.batch.folder = options.files.output;
   options.batch.formats =
       options.files.formats.empty() ? std::vector<std::string>{"ply"} : chosen_formats(options.files);
   options.run.repairs = options.mesh.repair.repairs;
   options.run.weld_tolerance = options.mesh.repair.weld_tolerance;
-  if (options.files.reader)
-    throw Failure(Exit::usage, "--for is for one mesh, and --batch has many", {{"option", "--for"}});
-  if (!options.sizing.file.empty())
-    throw Failure(Exit::usage, "--sizing is for one mesh, and --batch has many", {{"option", "--sizing"}});
-  if (!options.features.empty())
-    throw Failure(Exit::usage, "--features belongs to one mesh, not to a batch", {{"option", "--features"}});
   return run_field_batch(options.batch, options.mesh, options.run, common);
 }
 
@@ -318,6 +327,7 @@ void add_alignment_options(cli::App& app, FieldOptions& options) {
          "same "
          "vertices, which may be MESH")
       ->type_name("FILE")
+      ->check([](const std::string& text) { return std::string(text.empty() ? "the name is empty" : ""); })
       ->group("Alignment");
   app.add_flag_function(
          "--align-across", [align](std::int64_t) { align().across = true; }, "Across those edges, not along them")
@@ -383,6 +393,8 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->group("Solver");
   return [options](const Common& common, Progress& progress) {
     if (!options->batch.list.empty()) return run_batch_of(*options, common);
+    if (!options->batch.lines.empty() || options->batch.jobs != 0)
+      throw Failure(Exit::usage, "--lines and --jobs go with --batch", {{"option", "--batch"}});
     if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");
     return run(*options, common, progress);
   };

@@ -139,10 +139,29 @@ int guarded(const std::string& command, bool json, Progress& progress, Body&& bo
   }
 }
 
-int run(const Command& command, const Common& common, const std::function<Outcome(const Common&, Progress&)>& body) {
+/// No output that has a name of its own is an input. Files inside of folders are the business of the commands.
+void check_named_files(const cli::App& app) {
+  std::vector<NamedPath> outputs, inputs;
+  for (const auto& [name, text] :
+       app.given({"--output", "--report", "--html", "--png", "--curves", "--sizing", "--lines"}))
+    outputs.emplace_back(name == "--output" ? "-o" : name, text);
+  for (const auto& [name, text] : app.given({"mesh", "field", "--mesh", "--batch", "--lengths", "--features",
+                                             "--target", "--design", "--stroke", "--guidance"})) {
+    const std::string what = name.starts_with("-") ? "file of " + name : name;
+    inputs.emplace_back(what, text);
+    if (const std::size_t weight = text.rfind(':');
+        weight != std::string::npos && (name == "--stroke" || name == "--guidance"))
+      inputs.emplace_back(what, text.substr(0, weight));
+  }
+  check_distinct(outputs, inputs);
+}
+
+int run(const Command& command, const cli::App& app, const Common& common,
+        const std::function<Outcome(const Common&, Progress&)>& body) {
   Progress progress(!common.quiet);
   return guarded(command.name, common.json, progress, [&] {
     if (command.computes) check_address_space();
+    check_named_files(app);
     if (!common.report.empty()) check_writable(common.report);
     Outcome outcome;
     run_with_threads(common.threads, [&] { outcome = body(common, progress); });
@@ -252,13 +271,15 @@ int start(int argc, char** argv) {
     return complain(name, json, Exit::usage,
                     fmt::format("{} (see alcap{}{} --help){}", e.what(), name.empty() ? "" : " ", name,
                                 name.empty() ? meant(argc, argv) : ""));
+  } catch (const FileError& e) {  // of an option that reads its file at once
+    return complain(app.parsed_subcommand(), json, Exit::input, in_flags(e.what()), file_details(e));
   }
   if (version) {
     print(version_text());
     return 0;
   }
   for (const auto& entry : entries) {
-    if (entry->app->parsed()) return run(*entry->command, entry->common, entry->body);
+    if (entry->app->parsed()) return run(*entry->command, *entry->app, entry->common, entry->body);
   }
   const std::string help = app.help();
   (void)std::fwrite(help.data(), 1, help.size(), stderr);

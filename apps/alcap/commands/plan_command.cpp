@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 
 #include <charconv>
+#include <cstdint>
+#include <limits>
 #include <memory>
 
 #include "alcap/plan.h"
@@ -11,6 +13,7 @@
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/numbers.h"
 
 namespace alcap::app {
 namespace plan_parts {
@@ -100,7 +103,8 @@ Outcome run(PlanCommandOptions options, Progress& progress) {
     plan_options.vertices = file.V.rows();
   }
   plan_options.formats = options.formats;
-  plan_options.memory = static_cast<std::int64_t>(1e9 * options.memory);
+  plan_options.memory =
+      detail::to_integer(1e9 * options.memory, std::int64_t{0}, std::numeric_limits<std::int64_t>::max());
   if (options.speed <= 0) progress.phase("measuring this core");
   plan_options.speed = options.speed > 0 ? options.speed : relative_speed();
   const RunPlan plan = plan_field(plan_options);

@@ -44,15 +44,37 @@ struct ViewOptions {
   std::string title = {};
 };
 
+constexpr int deepest_report = 16;
+
 /// The report beside a field, null when there is none that can be read: it only adds figures.
 Json read_report(const std::filesystem::path& path) {
   try {
     const detail::InputFile file(path, {.what = "report", .largest = std::int64_t{1} << 30, .writer_seconds = 0.1});
-    Json report = Json::parse(file.bytes(), nullptr, false);
-    return report.is_discarded() ? Json() : report;
+    // What nests deeper is no report of ours; such a tree cannot be copied or taken down without a deep stack.
+    const auto shallow = [](int depth, Json::parse_event_t, const Json&) { return depth <= deepest_report; };
+    Json report = Json::parse(file.bytes(), shallow, false);
+    return report.is_object() ? report : Json();
   } catch (const FileError&) {
     return nullptr;
   }
+}
+
+/// Whether the report is about this field, as far as names and counts can tell: a folder may have fields of other runs.
+bool about(const Json& report, const std::filesystem::path& file, const FieldOutput& output) {
+  const auto says = [&](const char* pointer, std::int64_t count) {
+    const Json::json_pointer at(pointer);
+    return report.contains(at) && report.at(at) == count;
+  };
+  const Mesh& mesh = output.surface.mesh();
+  if (!says("/mesh/vertices", mesh.vertices()) || !says("/mesh/faces", mesh.faces()) ||
+      !says("/singularities/denominator", output.field.n) ||
+      !says("/singularities/count", static_cast<std::int64_t>(output.singularities.size())) ||
+      !report.contains("files"))
+    return false;
+  const Json& files = report["files"];
+  return std::any_of(files.begin(), files.end(), [&](const Json& name) {
+    return name.is_string() && std::filesystem::path(name.get<std::string>()).filename() == file.filename();
+  });
 }
 
 std::string title_of(const ViewOptions& options, const std::filesystem::path& file, const Json& report) {
@@ -113,7 +135,7 @@ Outcome run(const ViewOptions& options, const Common& common, Progress& progress
 
   progress.phase("reading");
   FieldFile data = read_field(file);
-  const Json figures = read_report(file.parent_path() / "report.json");
+  Json figures = read_report(file.parent_path() / "report.json");
   std::vector<Remark> remarks;
   const ConnectionOptions how = choose_connection(options, data, remarks);
   const Surface surface(std::move(data.V), std::move(data.F));
@@ -122,6 +144,11 @@ Outcome run(const ViewOptions& options, const Common& common, Progress& progress
   const Field field = on_frames(data.field, connected.frames());
   const std::vector<Singularity> singularities = find_singularities(connected, field);
   const FieldOutput output{.surface = connected, .field = field, .singularities = singularities};
+  if (!figures.is_null() && !about(figures, file, output)) {
+    figures = nullptr;
+    remarks.push_back({.code = "other_report",
+                       .message = "the report.json beside this field is about another one; its figures are left out"});
+  }
 
   progress.phase("drawing curves");
   const std::optional<CurveSet> curves = picture_curves(output, options.picture);

@@ -3,10 +3,14 @@
 // cli.cpp: the only file that includes CLI11.
 #include "apps/alcap/options/cli.h"
 
+#include <fmt/core.h>
+
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <type_traits>
 
 namespace alcap::app::cli {
 namespace {
@@ -30,6 +34,18 @@ class WrappedHelp : public CLI::Formatter {
     return text + line;
   }
 };
+
+/// CLI11's own checks of ranges let NaN pass, and write the limits of a double with 309 digits.
+CLI::Validator numbers(const std::string& shown, const std::string& rule, std::function<bool(double)> fits) {
+  return {[rule, fits = std::move(fits)](const std::string& text) {
+            double value = 0;
+            const bool fine = CLI::detail::lexical_cast(text, value) && fits(value);
+            return fine ? std::string() : fmt::format("{} is not {}", text, rule);
+          },
+          shown};
+}
+
+std::string no_name(const std::string& text) { return text.empty() ? "the name is empty" : ""; }
 
 }  // namespace
 
@@ -77,12 +93,19 @@ Option* Option::check(const Range& allowed) {
   if (allowed.whole) {
     of(option_)->check(CLI::Range(static_cast<int>(allowed.from), static_cast<int>(allowed.to)));
   } else {
-    of(option_)->check(CLI::Range(allowed.from, allowed.to));
+    of(option_)->check(numbers(fmt::format("FLOAT in [{} - {}]", allowed.from, allowed.to),
+                               fmt::format("a number from {} to {}", allowed.from, allowed.to),
+                               [allowed](double x) { return x >= allowed.from && x <= allowed.to; }));
   }
   return this;
 }
 Option* Option::check(Positive) {
-  of(option_)->check(CLI::PositiveNumber);
+  of(option_)->check(
+      numbers("POSITIVE", "a finite number above 0", [](double x) { return x > 0 && std::isfinite(x); }));
+  return this;
+}
+Option* Option::check(Fraction) {
+  of(option_)->check(numbers("FRACTION", "a number above 0 and below 1", [](double x) { return x > 0 && x < 1; }));
   return this;
 }
 Option* Option::check(std::string (*problem)(const std::string& text)) {
@@ -124,7 +147,10 @@ void App::require_subcommand(int least, int most) {
 
 template <class T>
 Option* App::add_option(const std::string& names, T& variable, const std::string& help) {
-  return keep(impl_->app->add_option(names, variable, help));
+  CLI::Option* const option = impl_->app->add_option(names, variable, help);
+  // The text of a shell variable that is not set; elsewhere an empty path stands for an option that was not given.
+  if constexpr (std::is_same_v<T, std::filesystem::path>) option->check(no_name);
+  return keep(option);
 }
 template <class T>
 Option* App::add_option_function(const std::string& names, const std::function<void(const T&)>& take,
@@ -144,6 +170,13 @@ Option* App::get_option(const std::string& name) {
   } catch (const CLI::OptionNotFound& e) {
     throw std::logic_error(e.what());
   }
+}
+std::vector<std::pair<std::string, std::string>> App::given(const std::vector<std::string>& names) const {
+  std::vector<std::pair<std::string, std::string>> texts;
+  for (const std::string& name : names)
+    if (const CLI::Option* const option = impl_->app->get_option_no_throw(name); option != nullptr)
+      for (const std::string& text : option->results()) texts.emplace_back(name, text);
+  return texts;
 }
 
 std::optional<std::string> App::parse(int argc, const char* const* argv) {

@@ -40,6 +40,8 @@ struct Range {
 };
 struct Positive {};
 inline constexpr Positive PositiveNumber{};
+struct Fraction {};
+inline constexpr Fraction BetweenZeroAndOne{};
 
 /// An option or a positional argument. Lives as long as its App.
 class Option {
@@ -58,6 +60,7 @@ class Option {
   Option* check(const IsMember& allowed);
   Option* check(const Range& allowed);
   Option* check(Positive);
+  Option* check(Fraction);
   /// The function returns what is wrong with the text, or nothing.
   Option* check(std::string (*problem)(const std::string& text));
   /// How often it was given; known once the command line is parsed.
@@ -96,6 +99,8 @@ class App {
                             const std::string& help);
   /// Throws std::logic_error if it was not added before.
   Option* get_option(const std::string& name);
+  /// What these options were given; names that this program does not know count as not given.
+  [[nodiscard]] std::vector<std::pair<std::string, std::string>> given(const std::vector<std::string>& names) const;
 
   /// Reads the command line: the text to print if --help was asked for, and nothing otherwise. Throws ParseError.
   std::optional<std::string> parse(int argc, const char* const* argv);

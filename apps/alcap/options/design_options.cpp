@@ -87,6 +87,8 @@ std::vector<DesignStroke> read_strokes(const std::string& text) {
     const auto [stop, error] = std::from_chars(text.data() + colon + 1, end, weight);
     if (error == std::errc() && stop == end) path = text.substr(0, colon);
   }
+  if (path.empty())
+    throw Failure(Exit::usage, "--stroke: the name is empty", {{"option", "--stroke"}, {"value", text}});
   if (!(weight > 0) || !std::isfinite(weight))
     throw Failure(Exit::usage, "--stroke: " + text + " should be FILE or FILE:WEIGHT with a weight above 0",
                   {{"option", "--stroke"}, {"value", text}});
@@ -368,6 +370,11 @@ DesignFile make_design(const DesignFlags& flags) {
     design.guidance.weight = 1;
     design.guidance.t = flags.t;
   }
+  if (const std::vector<double>& x = flags.relative_to; !x.empty() && (!std::all_of(x.begin(), x.end(), [](double c) {
+        return std::isfinite(c);
+      }) || std::all_of(x.begin(), x.end(), [](double c) { return c == 0; })))
+    throw Failure(Exit::usage, fmt::format("--relative-to: {},{},{} is no direction", x[0], x[1], x[2]),
+                  {{"option", "--relative-to"}});
   for (DesignSingularity s : flags.singularities) {
     s.strength = flags.strength;
     s.pin = flags.pin;

@@ -211,6 +211,7 @@ void add_connection_options(cli::App& app, ConnectionOptions& options) {
   app.add_option_function<std::string>(
          "--target",
          [&options](const std::string& path) {
+           if (path.empty()) throw cli::ValidationError("--target", "the name is empty");
            options.target = read_connection_target(path);
            options.kind = ConnectionKind::metric;
          },
@@ -276,7 +277,7 @@ void add_weight_options(cli::App& app, GlobalOptions& options) {
   app.add_option("--connection-tolerance", options.tolerance, "Relative residual of the global connection")
       ->type_name("X")
       ->capture_default_str()
-      ->check(cli::PositiveNumber)
+      ->check(cli::BetweenZeroAndOne)
       ->group("Connection");
   app.add_option("--connection-iterations", options.max_iterations,
                  "Iterations after which the global connection is given up")
@@ -311,7 +312,7 @@ void add_eigen_options(cli::App& app, EigenOptions& options) {
          "--tolerance", [&options](const double& x) { options.tolerance = x; },
          "Instead: relative residual of the eigenvector that is asked for and checked")
       ->type_name("X")
-      ->check(cli::PositiveNumber)
+      ->check(cli::BetweenZeroAndOne)
       ->group("Solver");
   app.add_option("--max-iterations", options.max_iterations, "Give up after so many linear solves")
       ->type_name("N")

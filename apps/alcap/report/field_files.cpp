@@ -62,6 +62,7 @@ namespace {
 /// Whether write_files() puts a file of this name into a folder, in one format or another, or for another program.
 bool is_written(const std::string& name, bool handed_over) {
   if (name == "design.json" || name == "field_singularities.vtp") return true;
+  if (name.starts_with("mode-")) return !field_format(name).empty();
   return name.starts_with("field.") &&
          (!field_format(name).empty() || name.ends_with(".sings") || name.ends_with(".sharp") ||
           (handed_over && (name.ends_with(".obj") || name.ends_with(".off") || name.ends_with(".txt"))));
@@ -77,6 +78,11 @@ void check_names(const OutputPlan& plan, const FilesChoice& choice, const std::v
       const std::string name = path.filename().string();
       if (is_written(name, choice.reader.has_value())) outputs.emplace_back("-o", plan.target / name);
     }
+    // A design that lies in the folder may be gone on with: design.json has all that was asked.
+    for (const auto& [what, path] : inputs)
+      if (const std::string name = path.filename().string();
+          what == "mesh" && is_written(name, choice.reader.has_value()))
+        outputs.emplace_back("-o", plan.target / name);
   } else if (plan.kind == OutputPlan::Kind::file) {
     outputs.emplace_back("-o", plan.target);
     if (plan.target.extension() == ".rawfield")

@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
 #include <system_error>
 
 #include "alcap/errors.h"
@@ -79,14 +80,16 @@ class TemporaryFolder {
     if (!path_.empty()) fs::remove_all(path_, ignored);
   }
   [[nodiscard]] const fs::path& path() const { return path_; }
-  /// Gives the folder its name.
-  void move_to(const fs::path& target) {
-    std::error_code error;
+  /// Gives the folder its name; false where another run has made one of this name meanwhile.
+  [[nodiscard]] bool move_to(const fs::path& target) {
+    std::error_code error, ignored;
     alcap::detail::sync_folder(path_);
     fs::rename(path_, target, error);
+    if (error && fs::is_directory(target, ignored)) return false;
     if (error) fail(target, fmt::format("cannot give the finished folder its name ({})", error.message()));
     path_.clear();
     alcap::detail::sync_folder(fs::absolute(target).parent_path());
+    return true;
   }
 
  private:
@@ -108,6 +111,7 @@ void run_writer(const std::function<void()>& write) {
 }
 
 constexpr const char* last_file = "report.json";
+constexpr auto longest_wait = std::chrono::seconds(10);  // for another run that gives its files their names
 
 }  // namespace
 
@@ -219,9 +223,11 @@ std::vector<std::string> write_folder(const fs::path& target, const std::functio
   std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
     return std::pair(a == last_file, a) < std::pair(b == last_file, b);
   });
-  if (!fs::exists(target, error)) {
-    temporary.move_to(target);
-    return names;
+  if (!fs::exists(target, error) && temporary.move_to(target)) return names;
+  FolderLock lock;
+  if (!lock.take(target, longest_wait)) {
+    HoldSignals::check();
+    fail(target, "another run has been writing into this folder for ten seconds; try again, or give another name");
   }
   fs::remove(target / last_file, error);
   for (const std::string& n : names) {

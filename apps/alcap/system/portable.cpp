@@ -20,4 +20,7 @@ bool HeldSignals::stop_requested() { return false; }
 NewFolder::~NewFolder() = default;
 bool NewFolder::make(const std::filesystem::path& path) { return std::filesystem::create_directory(path); }
 
+FolderLock::~FolderLock() = default;
+bool FolderLock::take(const std::filesystem::path&, std::chrono::milliseconds) { return true; }
+
 }  // namespace alcap::app

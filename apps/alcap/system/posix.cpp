@@ -13,6 +13,7 @@
 #include <fstream>
 #include <string_view>
 #include <system_error>
+#include <thread>
 
 #include "apps/alcap/system/system.h"
 
@@ -99,6 +100,22 @@ bool NewFolder::make(const std::filesystem::path& path) {
   do descriptor_ = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   while (descriptor_ < 0 && errno == EINTR);
   if (descriptor_ >= 0) (void)::flock(descriptor_, LOCK_EX | LOCK_NB);
+  return true;
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+bool FolderLock::take(const std::filesystem::path& folder, std::chrono::milliseconds limit) {
+  constexpr std::chrono::milliseconds pause(10);
+  do descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  while (descriptor_ < 0 && errno == EINTR);
+  for (auto waited = pause.zero(); descriptor_ >= 0; waited += pause) {
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0 || (errno != EWOULDBLOCK && errno != EINTR)) break;
+    if (waited >= limit || HeldSignals::stop_requested()) return false;
+    std::this_thread::sleep_for(pause);
+  }
   return true;
 }
 

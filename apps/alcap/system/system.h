@@ -4,6 +4,7 @@
 // does without. The studio, which serves a page, has calls of its own and is left out of portable builds.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -61,6 +62,21 @@ class NewFolder {
   ~NewFolder();
   /// Makes it: false where something has this name already. Throws std::system_error for other reasons.
   [[nodiscard]] bool make(const std::filesystem::path& path);
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// Keeps a folder that is there for this process while its files are replaced. Portable: nothing.
+class FolderLock {
+ public:
+  FolderLock() = default;
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+  ~FolderLock();
+  /// Waits for others, no longer than the limit and not past a signal that ends programs: false then. True where the
+  /// file system knows no locks.
+  [[nodiscard]] bool take(const std::filesystem::path& folder, std::chrono::milliseconds limit);
 
  private:
   int descriptor_ = -1;

@@ -15,7 +15,8 @@ namespace detail {
 
 void validate(const GlobalOptions& o) {
   const auto refuse = [](const char* field, double value, const char* rule) { throw OptionError(field, value, rule); };
-  if (!(o.detail > 0) || !std::isfinite(o.detail)) refuse("detail", o.detail, "must be positive and finite");
+  // Beyond, one of the two parts of the energy has no digits left.
+  if (!(o.detail >= 1e-12 && o.detail <= 1e12)) refuse("detail", o.detail, "must be in [1e-12, 1e12]");
   if (!(o.tan_cap > 0) || !std::isfinite(o.tan_cap)) refuse("tan_cap", o.tan_cap, "must be positive and finite");
   if (!(o.tolerance > 0) || o.tolerance >= 1) refuse("tolerance", o.tolerance, "must lie in (0, 1)");
   if (o.max_iterations < 1) refuse("max_iterations", o.max_iterations, "must be at least 1");

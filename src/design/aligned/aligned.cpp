@@ -14,6 +14,7 @@
 #include "src/base/parallel.h"
 #include "src/base/random.h"
 #include "src/design/aligned/constraints.h"
+#include "src/design/weight_range.h"
 #include "src/field/component_blocks.h"
 
 namespace alcap {
@@ -272,8 +273,8 @@ void check(const ConnectedSurface& surface, const FeatureGraph& features, const 
   if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
   if (options.n % 2 != 0 && !features.edges.empty())
     throw OptionError("n", options.n, "must be even: a feature has no sense of direction");
-  if (!(options.weight >= 0) || !std::isfinite(options.weight))
-    throw OptionError("weight", options.weight, "must be finite and not negative");
+  if (!detail::fit_weight_or_zero(options.weight))
+    throw OptionError("weight", options.weight, detail::weight_or_zero_rule);
   if (options.max_steps < 0) throw OptionError("max_steps", options.max_steps, "must not be negative");
   if (!(options.settled_degrees > 0)) throw OptionError("settled_degrees", options.settled_degrees, "must be positive");
   if (!(options.finest >= 1) || !std::isfinite(options.finest))

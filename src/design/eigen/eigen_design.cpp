@@ -15,6 +15,7 @@
 #include "src/design/eigen/rows.h"
 #include "src/design/singularity_parts.h"
 #include "src/design/variational/rows.h"
+#include "src/design/weight_range.h"
 #include "src/field/component_blocks.h"
 
 namespace alcap {
@@ -47,8 +48,7 @@ void validate(const Mesh& mesh, const EigenControls& controls, const EigenDesign
   for (std::size_t k = 0; k < strokes.size(); ++k) {
     const std::string name = "strokes[" + std::to_string(k) + "]";
     const double weight = strokes[k].weight;
-    if (!(weight > 0) || !std::isfinite(weight))
-      throw OptionError(name + ".weight", weight, "must be positive and finite");
+    if (!detail::fit_weight(weight)) throw OptionError(name + ".weight", weight, detail::weight_rule);
     if (strokes[k].line.segments.empty()) throw OptionError(name + ".line", "empty", "a stroke needs some length");
     for (const SurfaceSegment& segment : strokes[k].line.segments) {
       if (segment.face < 0 || segment.face >= mesh.faces())

@@ -9,6 +9,7 @@
 #include "alcap/errors.h"
 #include "src/design/file/problem.h"
 #include "src/design/singularity_parts.h"
+#include "src/design/weight_range.h"
 
 namespace alcap {
 namespace {
@@ -17,6 +18,7 @@ using detail::number_text;
 using detail::Problem;
 
 constexpr int largest_n = 1000;     // as `alcap field`
+constexpr double most_turns = 1e6;  // as connections
 constexpr double farthest = 1e150;  // of a point: distances are squared
 
 std::string text(const std::array<double, 3>& x) {
@@ -25,6 +27,10 @@ std::string text(const std::array<double, 3>& x) {
 
 void check_positive(const std::string& path, double value) {
   if (!(value > 0) || !std::isfinite(value)) throw Problem{path, number_text(value), "must be positive and finite"};
+}
+
+void check_weight(const std::string& path, double value) {
+  if (!detail::fit_weight(value)) throw Problem{path, number_text(value), detail::weight_rule};
 }
 
 void check_finite(const std::string& path, double value) {
@@ -86,7 +92,7 @@ void check(const std::string& path, const DesignSingularity& s, int n) {
     throw Problem{path + "/count", std::to_string(s.count), "must be 1 to " + std::to_string(detail::largest_count)};
   if (s.count > 1 && of_vectors)
     throw Problem{path + "/count", std::to_string(s.count), "is only for source and saddle; " + kind + " has index 1"};
-  check_positive(path + "/strength", s.strength);
+  check_weight(path + "/strength", s.strength);
   if (s.barycentric) {
     check_barycentric(path + "/pin", *s.barycentric);
     if (s.at) throw Problem{path + "/pin", text(*s.barycentric), "needs face; with at, give true"};
@@ -104,7 +110,7 @@ void check(const std::string& path, const DesignFixed& f) {
     check_direction(path + "/relative_to", *f.relative_to);
     if (!f.angle) throw Problem{path + "/relative_to", text(*f.relative_to), "needs angle"};
   }
-  check_positive(path + "/length", f.length);
+  check_weight(path + "/length", f.length);
   if (f.free_length && f.length != 1)
     throw Problem{path + "/length", number_text(f.length), "a length that is free has no value"};
 }
@@ -128,21 +134,26 @@ void check(const std::string& path, const DesignStroke& s) {
     check_place(at, "face", s.points[k].face, s.points[k].at);
     if (!s.points[k].at) check_barycentric(at + "/barycentric", s.points[k].barycentric);
   }
-  check_positive(path + "/weight", s.weight);
+  check_weight(path + "/weight", s.weight);
   if (!(s.radius >= 0) || !std::isfinite(s.radius))
     throw Problem{path + "/radius", number_text(s.radius), "must be finite and not negative"};
 }
 
+void check_turns(const std::string& path, double turns) {
+  if (!(std::abs(turns) <= most_turns)) throw Problem{path, number_text(turns), "must be in [-1e6, 1e6] turns"};
+}
+
 void check_turn(const std::string& path, double turns, int n) {
   const double count = turns * n;
-  if (!(std::abs(count - std::round(count)) <= 1e-6) || std::abs(count) > 1e6)
+  check_turns(path, turns);
+  if (!(std::abs(count - std::round(count)) <= 1e-6))
     throw Problem{path, number_text(turns), "must be a multiple of 1/n = 1/" + std::to_string(n)};
 }
 
 void check(const DesignGuidance& g, int n) {
   using Source = DesignGuidance::Source;
   if (g.source == Source::nothing) return;
-  check_positive("/guidance/weight", g.weight);
+  check_weight("/guidance/weight", g.weight);
   if (g.source == Source::file && g.file.empty()) throw Problem{"/guidance/file", "\"\"", "must be the name of a file"};
   if (((g.source == Source::curvature || g.source == Source::strongest_curvature) && n % 2 != 0) ||
       (g.source == Source::least_curvature && n != 2))
@@ -151,16 +162,16 @@ void check(const DesignGuidance& g, int n) {
                       ? "needs n = 2, and here n = " + std::to_string(n)
                       : "principal directions are lines: n must be even, and here it is " + std::to_string(n)};
   if (g.t) {
-    check_finite("/guidance/t", *g.t);
+    if (!(std::abs(*g.t) <= detail::most_weight))
+      throw Problem{"/guidance/t", number_text(*g.t), "must be in [-1e12, 1e12]"};
     if (g.weight != 1) throw Problem{"/guidance/t", number_text(*g.t), "cannot be combined with weight"};
     if (!g.weights.empty())
       throw Problem{"/guidance/t", number_text(*g.t), "cannot be combined with weights per vertex; they need weight"};
   }
   double sum = 0;
   for (std::size_t k = 0; k < g.weights.size(); ++k) {
-    if (!(g.weights[k] >= 0) || !std::isfinite(g.weights[k]))
-      throw Problem{"/guidance/weights/" + std::to_string(k), number_text(g.weights[k]),
-                    "must be finite and not negative"};
+    if (!detail::fit_weight_or_zero(g.weights[k]))
+      throw Problem{"/guidance/weights/" + std::to_string(k), number_text(g.weights[k]), detail::weight_or_zero_rule};
     sum += g.weights[k];
   }
   if (!g.weights.empty() && !(sum > 0)) throw Problem{"/guidance/weights", "all 0", "one at least must be positive"};
@@ -168,7 +179,7 @@ void check(const DesignGuidance& g, int n) {
 
 void check(const DesignFeatures& f, int n) {
   if (!(f.angle > 0 && f.angle <= 180)) throw Problem{"/features/angle", number_text(f.angle), "must be in (0, 180]"};
-  check_positive("/features/weight", f.weight);
+  check_weight("/features/weight", f.weight);
   if (n % 2 != 0)
     throw Problem{"/features", "n = " + std::to_string(n), "needs an even n: a feature has no sense of direction"};
 }
@@ -190,7 +201,8 @@ std::string at(const char* list, std::size_t k) { return std::string("/") + list
 
 /// Which keys each kind of connection takes, and whether its cones are possible.
 void check_connection(const DesignConnection& c, int n) {
-  check_positive("/connection/detail", c.detail);
+  if (!(c.detail >= 1e-12 && c.detail <= 1e12))
+    throw Problem{"/connection/detail", number_text(c.detail), "must be in [1e-12, 1e12]"};
   check_positive("/connection/tan_cap", c.tan_cap);
   const bool trivial = c.kind == ConnectionKind::trivial, metric = c.kind == ConnectionKind::metric;
   const auto needs = [](bool fits, const char* key, const std::string& value, const char* rule) {
@@ -209,7 +221,7 @@ void check_connection(const DesignConnection& c, int n) {
   // Of a metric connection any fraction of a turn will do.
   const auto turn = [&](const std::string& path, double turns) {
     if (metric)
-      check_finite(path, turns);
+      check_turns(path, turns);
     else
       check_turn(path, turns, n);
   };
@@ -312,7 +324,7 @@ void detail::check_design_values(const DesignFile& design) {
   check_connection(design.connection, design.n);
   if (!(design.s >= -1 && design.s <= 1)) throw Problem{"/s", number_text(design.s), "must be in [-1, 1]"};
   check(design.guidance, design.n);
-  if (design.boundary.wanted) check_positive("/boundary/weight", design.boundary.weight);
+  if (design.boundary.wanted) check_weight("/boundary/weight", design.boundary.weight);
   if (design.features.wanted) check(design.features, design.n);
   if (design.method == DesignMethod::eigen) check_eigen(design);
   for (std::size_t k = 0; k < design.singularities.size(); ++k)

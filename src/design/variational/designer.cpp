@@ -13,6 +13,7 @@
 #include "src/base/clock.h"
 #include "src/design/singularity_parts.h"
 #include "src/design/variational/state.h"
+#include "src/design/weight_range.h"
 
 namespace alcap {
 namespace {
@@ -173,8 +174,8 @@ void Designer::set_guidance_weights(const VectorX<double>& weights) {
   if (weights.size() != s.mesh.vertices())
     throw OptionError("weights", std::to_string(weights.size()) + " values", "needs one per vertex");
   for (Index v = 0; v < s.mesh.vertices(); ++v)
-    if (!(weights[v] >= 0) || !std::isfinite(weights[v]))
-      throw OptionError("weights", weights[v], "of vertex " + std::to_string(v) + " must be finite and not negative");
+    if (!detail::fit_weight_or_zero(weights[v]))
+      throw OptionError("weights", weights[v], "of vertex " + std::to_string(v) + " " + detail::weight_or_zero_rule);
   if (!(weights.maxCoeff() > 0)) throw OptionError("weights", "all 0", "one at least must be positive");
   if (s.options.t) throw OptionError("t", *s.options.t, "cannot be combined with weights per vertex; they need guidance_weight");
   controlled(s.options.control, [&] {

@@ -10,6 +10,7 @@
 
 #include "src/connection/triangle_frame.h"
 #include "src/design/singularity_parts.h"
+#include "src/design/weight_range.h"
 #include "src/mesh/position.h"
 
 namespace alcap::detail {
@@ -23,6 +24,10 @@ constexpr double target_flux = 4;
 
 void check_positive(const char* name, double value) {
   if (!(value > 0) || !std::isfinite(value)) throw OptionError(name, value, "must be positive and finite");
+}
+
+void check_weight(const char* name, double value) {
+  if (!fit_weight(value)) throw OptionError(name, value, weight_rule);
 }
 
 ControlRow vertex_row(Index v, C target, double weight) {
@@ -48,7 +53,7 @@ void check_target(const Mesh& mesh, const SingularityTarget& target) {
   if (target.sign != 1 && target.sign != -1) throw OptionError("sign", target.sign, "a target has index +1/n or -1/n");
   if (target.count < 1 || target.count > largest_count)
     throw OptionError("count", target.count, "must be 1 to " + std::to_string(largest_count));
-  check_positive("strength", target.strength);
+  check_weight("strength", target.strength);
   if (!std::isfinite(target.orientation)) throw OptionError("orientation", target.orientation, "must be finite");
 }
 
@@ -65,7 +70,7 @@ ControlRow ControlLoads::point_row(const SurfacePoint& p) const {
 }
 
 double ControlLoads::stroke_weight(double weight) const {
-  check_positive("weight", weight);
+  check_weight("weight", weight);
   return weight * stroke_scale / std::sqrt(geometry.total_area());
 }
 

@@ -9,6 +9,7 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/design/variational/state.h"
+#include "src/design/weight_range.h"
 #include "src/field/component_blocks.h"
 
 namespace alcap {
@@ -60,15 +61,15 @@ Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& 
 void Designer::State::validate() const {
   if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
   check_guidance_weight(options.guidance_weight);
-  if (options.t && !std::isfinite(*options.t)) throw OptionError("t", *options.t, "must be finite");
+  if (options.t && !(std::abs(*options.t) <= detail::most_weight))
+    throw OptionError("t", *options.t, "must be in [-1e12, 1e12]");
   if (options.t && options.guidance_weight > 0) throw OptionError("t", *options.t, "give either t or guidance_weight");
   if (!(options.s >= -1 && options.s <= 1)) throw OptionError("s", options.s, "must be in [-1, 1]");
   if (options.largest_rank < 0) throw OptionError("largest_rank", options.largest_rank, "must not be negative");
 }
 
 void Designer::State::check_guidance_weight(double weight) {
-  if (!(weight >= 0) || !std::isfinite(weight))
-    throw OptionError("guidance_weight", weight, "must be finite and not negative");
+  if (!detail::fit_weight_or_zero(weight)) throw OptionError("guidance_weight", weight, detail::weight_or_zero_rule);
 }
 
 void Designer::State::check_t() const {
