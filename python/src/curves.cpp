@@ -97,6 +97,9 @@ void bind_sets(py::module_& m) {
   c.def_property_readonly(
       "end_reasons", [](const Curves& s) { return reasons(s->end_reason); },
       "list of str: why each curve ends where it does.");
+  c.def_readonly("spacing", &CurveSet::spacing,
+                 "float: of evenly spaced curves, what was asked for, in box diagonals; 0 of others.");
+  c.def_readonly("n", &CurveSet::n, "int: of evenly spaced curves, the degree of the field; 0 of others.");
   c.def_readonly("complete", &CurveSet::complete,
                  "bool: False where max_points was used up before everything asked for was traced.");
   c.def(
