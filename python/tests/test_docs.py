@@ -19,7 +19,7 @@ ELSEWHERE = {
     'metric_connection': 'connect', 'nearest_connection': 'connect',
     'measure_deviation': 'ConnectedSurface.connection_report', 'check_design': 'design_field',
     'place_design': 'design_field', 'design_controls': 'design_field', 'feature_strokes': 'design_field',
-    'read_connection_target': 'connect', 'stiffness_and_mass': 'energy_matrices',
+    'update_streamlines': 'streamlines', 'read_connection_target': 'connect', 'stiffness_and_mass': 'energy_matrices',
     'apply_energy_family': 'energy_matrices', 'smoothest_modes': 'FieldRun.modes', 'face_index': 'face_indices',
     'flat_torus': 'Surface.from_lengths', 'duplicate_positions': 'find_defects', 'degenerate': 'find_defects',
     'find_topology': 'Surface.components', 'extract_component': 'Surface.split',
