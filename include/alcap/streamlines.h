@@ -127,11 +127,11 @@ struct StreamlineOptions {
 [[nodiscard]] CurveSet streamlines(const ConnectedSurface& surface, const Field& field,
                                    const StreamlineOptions& options = {});
 
-/// The same after the field has changed a little, or only somewhere: what still follows it of the curves that an earlier
-/// call returned is taken over as it is and goes on where it was cut, and only the room that is left is filled, which
-/// costs what the change does. The earlier curves may be further apart; then they are refined. Which curves there are
-/// depends on the earlier ones. What is said of them does not: they follow the field, to within `drift`, and keep their
-/// distance. Throws OptionError as above, and for earlier curves that are not of this surface.
+/// The same after the field has changed a little, or only somewhere: what still follows it of the curves that an
+/// earlier call returned is taken over as it is and goes on where it was cut, and only the room that is left is filled,
+/// which costs what the change does. The earlier curves may be further apart; then they are refined. Which curves there
+/// are depends on the earlier ones. What is said of them does not: they follow the field, to within `drift`, and keep
+/// their distance. Throws OptionError as above, and for earlier curves that are not of this surface.
 [[nodiscard]] CurveSet update_streamlines(const ConnectedSurface& surface, const Field& field, const CurveSet& earlier,
                                           const StreamlineOptions& options = {});
 

@@ -177,7 +177,8 @@ void Designer::set_guidance_weights(const VectorX<double>& weights) {
     if (!detail::fit_weight_or_zero(weights[v]))
       throw OptionError("weights", weights[v], "of vertex " + std::to_string(v) + " " + detail::weight_or_zero_rule);
   if (!(weights.maxCoeff() > 0)) throw OptionError("weights", "all 0", "one at least must be positive");
-  if (s.options.t) throw OptionError("t", *s.options.t, "cannot be combined with weights per vertex; they need guidance_weight");
+  if (s.options.t)
+    throw OptionError("t", *s.options.t, "cannot be combined with weights per vertex; they need guidance_weight");
   controlled(s.options.control, [&] {
     s.reweight([&] {
       s.weighted = s.M;
