@@ -15,7 +15,8 @@
 namespace alcap::test {
 
 /// Calls hunt(family, seed, tally) RUNS times, family after family; every run has a seed of its own. Prints a line for
-/// each family and one for all, and returns the exit code: 0 where nothing was wrong. Tally: add(Tally), bad().
+/// each family and one for all at the end, and after every 200 runs, so that a search that is stopped still tells what
+/// it saw. Returns the exit code: 0 where nothing was wrong. Tally: add(Tally), bad().
 ///
 ///   NAME RUNS SEED [FAMILY]
 template <class Tally, class Hunt, class Print>
@@ -27,6 +28,18 @@ int hunt_all(int argc, char** argv, const char* head, Hunt&& hunt, Print&& print
   const int runs = std::atoi(argv[1]);
   const std::uint64_t seed = std::strtoull(argv[2], nullptr, 10);
   std::map<std::string, Tally> tallies;
+  Tally all;
+  const auto table = [&] {
+    std::printf("%s\n", head);
+    all = {};
+    for (const auto& [family, tally] : tallies) {
+      print(family, tally);
+      all.add(tally);
+    }
+    print(std::string("all"), all);
+    std::fflush(stdout);
+  };
+  constexpr int runs_per_table = 200;
   int failures = 0;
   for (int run = 0; run < runs;)
     for (const auto& [family, make] : families) {
@@ -39,14 +52,9 @@ int hunt_all(int argc, char** argv, const char* head, Hunt&& hunt, Print&& print
         ++failures;
       }
       std::fflush(stdout);
+      if (run % runs_per_table == 0 && run < runs) table();
     }
-  std::printf("%s\n", head);
-  Tally all;
-  for (const auto& [family, tally] : tallies) {
-    print(family, tally);
-    all.add(tally);
-  }
-  print(std::string("all"), all);
+  table();
   return all.bad() + failures > 0 ? 1 : 0;
 }
 
