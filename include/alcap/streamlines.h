@@ -59,7 +59,8 @@ struct CurveSet {
   std::vector<std::int64_t> offsets{0};  ///< #curves + 1: curve k has the points offsets[k] to offsets[k + 1] - 1
   /// Why each curve starts where it does.
   std::vector<CurveEnd> start_reason, end_reason;  ///< #curves
-  /// False when StreamlineOptions::max_points was used up before everything asked for was traced.
+  /// False when StreamlineOptions::max_points, or the time that curves of very many families may take, was used up
+  /// before everything asked for was traced.
   bool complete = true;
   double spacing = 0;  ///< evenly spaced curves: what was asked for, in box diagonals; 0: others
   int n = 0;           ///< evenly spaced curves: degree of the field that they follow; 0: others
@@ -122,8 +123,10 @@ struct StreamlineOptions {
 /// Evenly spaced curves of all families over the whole surface, in the manner of Jobard and Lefer (1997). A cross field
 /// has two families, an n-field n / 2 (n odd: n); curves of different families may cross. Distances are measured in
 /// space between points whose normals differ by less than a right angle, to within a tenth of `spacing`. Seeds are
-/// taken in a fixed order in rounds, traced in parallel, and accepted in that order. Throws OptionError for bad
-/// options, sizes that do not match, values that are not finite, and on a surface that lies in no space.
+/// taken in a fixed order in rounds, traced in parallel, and accepted in that order. Every sample is compared with
+/// those near it, of all families: beyond n = 70 or so, the comparisons are limited, and `complete` may be false.
+/// Throws OptionError for bad options, sizes that do not match, values that are not finite, and on a surface that lies
+/// in no space.
 [[nodiscard]] CurveSet streamlines(const ConnectedSurface& surface, const Field& field,
                                    const StreamlineOptions& options = {});
 

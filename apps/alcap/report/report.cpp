@@ -434,7 +434,7 @@ Remark curves_cut_short() {
   return {.code = "curves_cut_short",
           .message =
               "curves are missing or end early, because they would have too many points: faces are so thin that "
-              "curves wind around them, or the spacing is too small"};
+              "curves wind around them, the spacing is too small, or n is too large"};
 }
 
 Json defects_json(const std::vector<DefectReport>& defects) {

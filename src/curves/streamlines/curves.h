@@ -38,9 +38,11 @@ class CurveBudget {
   }
   void spend(std::int64_t work) { left_ -= work; }
   [[nodiscard]] bool used_up() const { return left_ <= 0; }
+  /// How many samples of other curves may be looked at, all together, to keep curves apart.
+  [[nodiscard]] std::int64_t looks() const { return looks_; }
 
  private:
-  std::int64_t least_, curve_, left_;
+  std::int64_t least_, curve_, left_, looks_;
 };
 
 /// The backward path turned around, then the forward path; the backward one may be empty.

@@ -98,7 +98,7 @@ class EvenlySpaced {
     if (earlier != nullptr) take_over(*earlier);
     grow();
     trace_all();
-    complete = !budget_.used_up();
+    complete = !budget_.used_up() && !looked_enough();
     return std::move(curves_);
   }
 
@@ -118,7 +118,7 @@ class EvenlySpaced {
         to_integer(0.2 * spacing_ * spacing_ / face_area, std::int64_t{1}, std::int64_t{flow_.mesh().faces()});
     const std::int64_t tries = (flow_.mesh().faces() + stride - 1) / stride * families_;
     constexpr std::int64_t block = 4096;
-    for (std::int64_t first = 0; first < tries; first += block) {
+    for (std::int64_t first = 0; first < tries && !full(); first += block) {
       std::vector<std::optional<Seed>> seeds(at(std::min(block, tries - first)));
       parallel_for(
           static_cast<std::int64_t>(seeds.size()),
@@ -138,7 +138,8 @@ class EvenlySpaced {
     }
   }
 
-  bool full() const { return count_of(curves_) >= options_.max_curves || budget_.used_up(); }
+  bool looked_enough() const { return all_.looks() > budget_.looks(); }
+  bool full() const { return count_of(curves_) >= options_.max_curves || budget_.used_up() || looked_enough(); }
 
   // ---- distances
 
@@ -279,7 +280,7 @@ class EvenlySpaced {
   }
 
   void trace_and_accept(const std::vector<Seed>& seeds) {
-    for (std::size_t first = 0; first < seeds.size(); first += batch_size)
+    for (std::size_t first = 0; first < seeds.size() && !full(); first += batch_size)
       trace_batch({seeds.data() + first, std::min(batch_size, seeds.size() - first)});
   }
 

@@ -3,6 +3,7 @@
 // grid.h: points of curves by place, to find those near a point. Internal to streamlines.
 #pragma once
 
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -20,7 +21,7 @@ struct CurveSample {
   std::int64_t curve = -1;  ///< number of a curve that is taken over from an earlier set; -1: another one
 };
 
-/// A hashed grid of cubes. Queries are const, fit for several threads.
+/// A hashed grid of cubes. Queries are const, fit for several threads, and counted by what they look at.
 class SampleGrid {
  public:
   explicit SampleGrid(double cell) : cell_(cell), table_(64) {}
@@ -45,16 +46,25 @@ class SampleGrid {
       low[c] = cell_of(x[c] - radius);
       high[c] = cell_of(x[c] + radius);
     }
-    for (std::int64_t i = low[0]; i <= high[0]; ++i)
-      for (std::int64_t j = low[1]; j <= high[1]; ++j)
-        for (std::int64_t k = low[2]; k <= high[2]; ++k)
-          for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = places_[at(s)].next) {
-            const Place& place = places_[at(s)];
-            const double dx = place.x[0] - x[0], dy = place.x[1] - x[1], dz = place.x[2] - x[2];
-            if (dx * dx + dy * dy + dz * dz < radius * radius && hit(samples_[at(s)])) return true;
-          }
-    return false;
+    std::int64_t looks = 0;
+    const auto search = [&] {
+      for (std::int64_t i = low[0]; i <= high[0]; ++i)
+        for (std::int64_t j = low[1]; j <= high[1]; ++j)
+          for (std::int64_t k = low[2]; k <= high[2]; ++k)
+            for (std::int64_t s = slot(key(i, j, k)).head; s >= 0; s = places_[at(s)].next) {
+              const Place& place = places_[at(s)];
+              const double dx = place.x[0] - x[0], dy = place.x[1] - x[1], dz = place.x[2] - x[2];
+              ++looks;
+              if (dx * dx + dy * dy + dz * dz < radius * radius && hit(samples_[at(s)])) return true;
+            }
+      return false;
+    };
+    const bool found = search();
+    looks_.fetch_add(looks, std::memory_order_relaxed);
+    return found;
   }
+  /// How many samples all queries so far have looked at. The same for any number of threads once they are done.
+  [[nodiscard]] std::int64_t looks() const { return looks_.load(std::memory_order_relaxed); }
 
  private:
   struct Slot {
@@ -102,6 +112,7 @@ class SampleGrid {
   std::vector<CurveSample> samples_;
   std::vector<Place> places_;
   std::vector<Slot> table_;  // a power of two, at most half full
+  mutable std::atomic<std::int64_t> looks_{0};
 };
 
 }  // namespace alcap::detail
