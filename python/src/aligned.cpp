@@ -34,14 +34,14 @@ FeatureGraph graph_of(const py::object& graph) {
   const VectorX<double> angles = reals_of(graph.attr("angles"), "angles", static_cast<std::int64_t>(out.edges.size()));
   out.angles.assign(angles.begin(), angles.end());
   for (const py::handle v : graph.attr("vertices")) {
-    const auto text = v.cast<std::string>();
+    const auto text = as<std::string>(v, "vertices");
     const auto* const kind = std::find(vertex_kinds.begin(), vertex_kinds.end(), text);
     if (kind == vertex_kinds.end()) throw OptionError("vertices", text, "is no kind of vertex");
     out.vertices.push_back(static_cast<FeatureVertex>(kind - vertex_kinds.begin()));
   }
   for (const py::handle line : graph.attr("lines"))
     out.lines.push_back({indices_of(line.attr("vertices"), "vertices"), indices_of(line.attr("edges"), "edges"),
-                         line.attr("closed").cast<bool>()});
+                         as<bool>(line.attr("closed"), "closed")});
   return out;
 }
 
@@ -78,28 +78,29 @@ py::dict deviations_dict(const FeatureReport& report) {
 }
 
 SharpEdgeOptions sharp_options(const py::dict& d) {
-  return {.angle = d["angle"].cast<double>(),
-          .corner_angle = d["corner_angle"].cast<double>(),
-          .boundary = d["boundary"].cast<bool>(),
-          .creases = d["creases"].cast<bool>(),
-          .low_angle = d["low_angle"].cast<double>(),
-          .gap = d["gap"].cast<double>(),
-          .spur = d["spur"].cast<double>()};
+  return {.angle = as<double>(d["angle"], "angle"),
+          .corner_angle = as<double>(d["corner_angle"], "corner_angle"),
+          .boundary = as<bool>(d["boundary"], "boundary"),
+          .creases = as<bool>(d["creases"], "creases"),
+          .low_angle = as<double>(d["low_angle"], "low_angle"),
+          .gap = as<double>(d["gap"], "gap"),
+          .spur = as<double>(d["spur"], "spur")};
 }
 
 namespace {
 
 AlignedOptions options_of(const py::dict& d) {
-  AlignedOptions out{.n = d["n"].cast<int>(),
-                     .across = d["across"].cast<bool>(),
-                     .weight = d["weight"].cast<double>(),
-                     .linear = d["linear"].cast<bool>(),
-                     .max_steps = d["max_steps"].cast<int>(),
-                     .settled_degrees = d["settled_degrees"].cast<double>(),
-                     .finest = d["finest"].cast<double>()};
-  out.eigen.solver = d["solver"].cast<std::string>();
+  AlignedOptions out{.n = as<int>(d["n"], "n"),
+                     .across = as<bool>(d["across"], "across"),
+                     .weight = as<double>(d["weight"], "weight"),
+                     .linear = as<bool>(d["linear"], "linear"),
+                     .max_steps = as<int>(d["max_steps"], "max_steps"),
+                     .settled_degrees = as<double>(d["settled_degrees"], "settled_degrees"),
+                     .finest = as<double>(d["finest"], "finest")};
+  out.eigen.solver = as<std::string>(d["solver"], "solver");
   for (const py::handle c : d["fixed"])
-    out.fixed.push_back({.vertex = c.attr("vertex").cast<Index>(), .value = c.attr("value").cast<Complex<double>>()});
+    out.fixed.push_back(
+        {.vertex = as<Index>(c.attr("vertex"), "vertex"), .value = as<Complex<double>>(c.attr("value"), "value")});
   return out;
 }
 
@@ -123,11 +124,11 @@ void bind_aligned(py::module_& m) {
   });
   m.def("target_edge_lengths", [](const Surface& s, const py::object& features, const py::dict& d) {
     const FeatureGraph graph = graph_of(features);
-    const SizingOptions options{.error = d["error"].cast<double>(),
-                                .smallest = d["smallest"].cast<double>(),
-                                .largest = d["largest"].cast<double>(),
-                                .growth = d["growth"].cast<double>(),
-                                .rings = d["rings"].cast<int>()};
+    const SizingOptions options{.error = as<double>(d["error"], "error"),
+                                .smallest = as<double>(d["smallest"], "smallest"),
+                                .largest = as<double>(d["largest"], "largest"),
+                                .growth = as<double>(d["growth"], "growth"),
+                                .rings = as<int>(d["rings"], "rings")};
     return moved(watched(py::none(), 0, [&] { return target_edge_lengths(s, graph, options); }));
   });
   m.def("feature_graph", [](const Surface& s, const py::object& list, double corner_angle) {

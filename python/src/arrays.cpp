@@ -53,6 +53,13 @@ py::array_t<T, py::array::c_style | py::array::forcecast> flat(const py::object&
 
 }  // namespace
 
+std::string short_repr(const py::handle& value) {
+  constexpr py::ssize_t most = 60;
+  const py::str text = py::repr(value);
+  const auto start = text[py::slice(0, most, 1)].cast<std::string>();
+  return py::len(text) > static_cast<std::size_t>(most) ? start + "..." : start;
+}
+
 py::array over(const py::dtype& type, Shape shape, const void* data, const py::object& owner, bool writeable) {
   py::array a(type, std::move(shape), data, owner);
   if (!writeable) py::detail::array_proxy(a.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
@@ -114,10 +121,11 @@ std::vector<Index> indices_of(const py::object& values, const char* name, std::i
 SparseMatrix<Complex<double>> sparse_of(const py::tuple& parts, const char* name) {
   using C = Complex<double>;
   const auto data = flat<C>(parts[0], name, "cfiu", -1);
-  const auto inner = flat<Index>(parts[1], name, "iu", data.size());
-  const auto outer = flat<Index>(parts[2], name, "iu", -1);
-  const Eigen::Index n = outer.size() - 1;
-  if (n < 0 || outer.data()[0] != 0 || outer.data()[n] != data.size())
+  // SciPy's indices have 32 or 64 bits.
+  const std::vector<Index> inner = indices_of(parts[1], name, data.size());
+  const std::vector<Index> outer = indices_of(parts[2], name);
+  const auto n = static_cast<Eigen::Index>(outer.size()) - 1;
+  if (n < 0 || outer.front() != 0 || outer.back() != data.size())
     throw OptionError(name, std::to_string(data.size()) + " entries", "must be a compressed matrix");
   for (Eigen::Index j = 0; j < n; ++j)
     if (outer.data()[j] > outer.data()[j + 1]) throw OptionError(name, j, "is a column that ends before it starts");

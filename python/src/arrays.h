@@ -22,6 +22,9 @@ namespace alcap::python {
 namespace py = pybind11;
 using namespace pybind11::literals;  // "name"_a = value
 
+/// What Python prints of a value, shortened.
+[[nodiscard]] std::string short_repr(const py::handle& value);
+
 /// Lengths of an array along its dimensions.
 using Shape = std::vector<py::ssize_t>;
 
@@ -96,6 +99,27 @@ template <class Matrix>
 }
 /// The square complex matrix of (data, indices, indptr), columns compressed and sorted; copies.
 [[nodiscard]] SparseMatrix<Complex<double>> sparse_of(const py::tuple& parts, const char* name);
+
+/// A Python value as an option or an attribute of this type. Throws OptionError that names it.
+template <class T>
+[[nodiscard]] T as(const py::handle& value, const std::string& name) {
+  using Plain = std::remove_cvref_t<T>;
+  try {
+    return value.cast<T>();
+  } catch (const py::cast_error&) {
+    std::string rule = "has the wrong type";
+    if constexpr (std::is_same_v<Plain, bool>)
+      rule = "must be True or False";
+    else if constexpr (std::is_integral_v<Plain>)
+      rule = std::string("must be a whole number") + (std::is_unsigned_v<Plain> ? " that is not negative" : "") +
+             ", of at most " + std::to_string(8 * sizeof(Plain)) + " bits";
+    else if constexpr (std::is_floating_point_v<Plain> || std::is_same_v<Plain, Complex<double>>)
+      rule = "must be a number";
+    else if constexpr (std::is_same_v<Plain, std::string>)
+      rule = "must be a str";
+    throw OptionError(name, short_repr(value), rule);
+  }
+}
 
 /// The enumerator of a name. Throws OptionError that lists the names.
 template <class E>

@@ -19,7 +19,7 @@ std::vector<Cone> cones_of(const py::object& list) {
   if (list.is_none()) return out;
   for (const py::handle item : list) {
     const auto pair = py::reinterpret_borrow<py::sequence>(item);
-    out.push_back({.vertex = pair[0].cast<Index>(), .index = pair[1].cast<double>()});
+    out.push_back({.vertex = as<Index>(pair[0], "cones"), .index = as<double>(pair[1], "cones")});
   }
   return out;
 }
@@ -61,35 +61,35 @@ ConnectionOptions connection_of(const py::dict& d) {
     const auto name = key.cast<std::string>();
     const auto object = py::reinterpret_borrow<py::object>(value);
     if (name == "connection") {
-      const auto text = value.cast<std::string>();
+      const auto text = as<std::string>(value, name);
       const auto choice = connection_choice(text);
       if (!choice) throw OptionError(name, text, "must be one of polar polar-barycenter local global trivial metric");
       out.kind = choice->kind;
       out.polar.center = choice->center;
     } else if (name == "detail") {
-      out.global.detail = value.cast<double>();
+      out.global.detail = as<double>(value, name);
     } else if (name == "length_factor") {
-      out.global.length_factor = named<LengthFactor>(value.cast<std::string>(), "length_factor");
+      out.global.length_factor = named<LengthFactor>(as<std::string>(value, name), "length_factor");
     } else if (name == "tan_cap") {
-      out.global.tan_cap = value.cast<double>();
+      out.global.tan_cap = as<double>(value, name);
     } else if (name == "connection_tolerance") {
-      out.global.tolerance = value.cast<double>();
+      out.global.tolerance = as<double>(value, name);
     } else if (name == "connection_iterations") {
-      out.global.max_iterations = value.cast<int>();
+      out.global.max_iterations = as<int>(value, name);
     } else if (name == "cones") {
       out.cones = cones_of(object);
     } else if (name == "balance_cones") {
-      out.balance_cones = value.cast<bool>();
+      out.balance_cones = as<bool>(value, name);
     } else if (name == "generator_holonomy") {
-      out.generator_holonomy = value.cast<std::vector<double>>();
+      out.generator_holonomy = as<std::vector<double>>(value, name);
     } else if (name == "loop_index") {
-      out.loop_index = value.cast<std::vector<double>>();
+      out.loop_index = as<std::vector<double>>(value, name);
     } else if (name == "target") {
-      out.target = target_of(value.cast<py::dict>());
+      out.target = target_of(as<py::dict>(value, name));
     } else if (name == "spread") {
-      out.spread = value.cast<bool>();
+      out.spread = as<bool>(value, name);
     } else if (name == "n") {
-      out.n = value.cast<int>();
+      out.n = as<int>(value, name);
     } else {
       throw OptionError(name, py::str(object).cast<std::string>(), "is no option of a connection");
     }

@@ -33,13 +33,13 @@ struct CurveChoice {
     for (const auto& [key, value] : d) {
       const auto name = key.cast<std::string>();
       if (name == "sides") {
-        options.sides = named<CurveSides>(value.cast<std::string>(), "sides");
+        options.sides = named<CurveSides>(as<std::string>(value, name), "sides");
       } else if (name == "max_curves") {
-        options.max_curves = value.cast<std::int64_t>();
+        options.max_curves = as<std::int64_t>(value, name);
       } else if (name == "max_points") {
-        options.max_points = value.cast<std::int64_t>();
+        options.max_points = as<std::int64_t>(value, name);
       } else if (double* real = number(name)) {
-        *real = value.cast<double>();
+        *real = as<double>(value, name);
       } else {
         throw OptionError(name, py::str(py::reinterpret_borrow<py::object>(value)).cast<std::string>(),
                           "is no option of curves");

@@ -17,25 +17,25 @@ namespace alcap::python {
 namespace {
 
 SingularityTarget target_of(const py::object& c) {
-  SingularityTarget t{.face = c.attr("face").cast<Index>(),
-                      .sign = c.attr("sign").cast<int>(),
-                      .orientation = c.attr("orientation").cast<double>(),
-                      .strength = c.attr("strength").cast<double>()};
-  t.count = c.attr("count").cast<int>();
-  if (!c.attr("pin").is_none()) t.pin = c.attr("pin").cast<std::array<double, 3>>();
+  SingularityTarget t{.face = as<Index>(c.attr("face"), "face"),
+                      .sign = as<int>(c.attr("sign"), "sign"),
+                      .orientation = as<double>(c.attr("orientation"), "orientation"),
+                      .strength = as<double>(c.attr("strength"), "strength")};
+  t.count = as<int>(c.attr("count"), "count");
+  if (!c.attr("pin").is_none()) t.pin = as<std::array<double, 3>>(c.attr("pin"), "pin");
   return t;
 }
 
 Stroke stroke_of(const py::object& c) {
-  return {.weight = c.attr("weight").cast<double>(),
-          .line = c.attr("line").cast<const SurfacePolyline&>(),
-          .radius = c.attr("radius").cast<double>()};
+  return {.weight = as<double>(c.attr("weight"), "weight"),
+          .line = as<const SurfacePolyline&>(c.attr("line"), "line"),
+          .radius = as<double>(c.attr("radius"), "radius")};
 }
 
 VertexConstraint vertex_of(const py::object& c) {
-  return {.vertex = c.attr("vertex").cast<Index>(),
-          .value = c.attr("value").cast<Complex<double>>(),
-          .direction_only = c.attr("direction_only").cast<bool>()};
+  return {.vertex = as<Index>(c.attr("vertex"), "vertex"),
+          .value = as<Complex<double>>(c.attr("value"), "value"),
+          .direction_only = as<bool>(c.attr("direction_only"), "direction_only")};
 }
 
 Control control_of(const py::object& c) {
@@ -44,7 +44,8 @@ Control control_of(const py::object& c) {
   if (kind == "stroke") return stroke_of(c);
   if (kind == "vertex") return vertex_of(c);
   if (kind == "boundary")
-    return BoundaryAlignment{.normal = c.attr("normal").cast<bool>(), .weight = c.attr("weight").cast<double>()};
+    return BoundaryAlignment{.normal = as<bool>(c.attr("normal"), "normal"),
+                             .weight = as<double>(c.attr("weight"), "weight")};
   throw OptionError("control", py::str(c).cast<std::string>(),
                     "must be a SingularityTarget, VertexConstraint, Stroke or BoundaryAlignment");
 }
@@ -127,12 +128,12 @@ class Live {
 
  private:
   static DesignerOptions options_of(const py::dict& d) {
-    DesignerOptions options{.n = d["n"].cast<int>(),
-                            .guidance_weight = d["guidance_weight"].cast<double>(),
-                            .s = d["s"].cast<double>(),
-                            .kind = named<OperatorKind>(d["kind"].cast<std::string>(), "kind"),
-                            .solver = d["solver"].cast<std::string>()};
-    if (!d["t"].is_none()) options.t = d["t"].cast<double>();
+    DesignerOptions options{.n = as<int>(d["n"], "n"),
+                            .guidance_weight = as<double>(d["guidance_weight"], "guidance_weight"),
+                            .s = as<double>(d["s"], "s"),
+                            .kind = named<OperatorKind>(as<std::string>(d["kind"], "kind"), "kind"),
+                            .solver = as<std::string>(d["solver"], "solver")};
+    if (!d["t"].is_none()) options.t = as<double>(d["t"], "t");
     return options;
   }
   void call(const std::function<void()>& body) {
@@ -151,9 +152,9 @@ class Live {
 EigenControls eigen_controls(const py::dict& d) {
   EigenControls out;
   for (const py::handle h : d["strokes"]) {
-    out.strokes.push_back({.line = h.attr("line").cast<const SurfacePolyline&>(),
-                           .weight = h.attr("weight").cast<double>(),
-                           .across = py::getattr(h, "across", py::bool_(false)).cast<bool>()});
+    out.strokes.push_back({.line = as<const SurfacePolyline&>(h.attr("line"), "line"),
+                           .weight = as<double>(h.attr("weight"), "weight"),
+                           .across = as<bool>(py::getattr(h, "across", py::bool_(false)), "across")});
   }
   for (const py::handle h : d["singularities"])
     out.singularities.push_back(target_of(py::reinterpret_borrow<py::object>(h)));
@@ -164,11 +165,11 @@ EigenControls eigen_controls(const py::dict& d) {
 py::tuple smoothest_design(const ConnectedSurface& surface, const py::dict& asked, const py::dict& d,
                            const py::dict& eigen, const py::object& progress, int threads) {
   const EigenControls controls = eigen_controls(asked);
-  const EigenDesignOptions options{.n = d["n"].cast<int>(),
-                                   .s = d["s"].cast<double>(),
-                                   .offset = d["offset"].cast<double>(),
+  const EigenDesignOptions options{.n = as<int>(d["n"], "n"),
+                                   .s = as<double>(d["s"], "s"),
+                                   .offset = as<double>(d["offset"], "offset"),
                                    .eigen = eigen_of(eigen),
-                                   .path = named<EigenPath>(d["path"].cast<std::string>(), "path")};
+                                   .path = named<EigenPath>(as<std::string>(d["path"], "path"), "path")};
   EigenDesignResult r = watched(progress, threads, [&] { return eigen_design(surface, controls, options); });
   py::list components, lines;
   for (const EigenReport& e : r.components) components.append(eigen_dict(e));

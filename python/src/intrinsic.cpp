@@ -74,11 +74,11 @@ void bind_intrinsic(py::module_& m) {
       },
       py::arg("u"), py::arg("n"), "(#V,) complex128: the other way; 0 at added vertices.");
   m.def("intrinsic_delaunay", [](const Surface& s, const py::dict& d, const py::object& progress, int threads) {
-    const IntrinsicOptions options{.keep = indices_of(d["keep"].cast<py::object>(), "keep"),
-                                   .min_angle = d["min_angle"].cast<double>(),
-                                   .max_radius = d["max_radius"].cast<double>(),
-                                   .most_flips = d["most_flips"].cast<double>(),
-                                   .most_vertices = d["most_vertices"].cast<double>()};
+    const IntrinsicOptions options{.keep = indices_of(d["keep"], "keep"),
+                                   .min_angle = as<double>(d["min_angle"], "min_angle"),
+                                   .max_radius = as<double>(d["max_radius"], "max_radius"),
+                                   .most_flips = as<double>(d["most_flips"], "most_flips"),
+                                   .most_vertices = as<double>(d["most_vertices"], "most_vertices")};
     return std::make_shared<IntrinsicTriangulation>(
         watched(progress, threads, [&] { return intrinsic_delaunay(s, options); }));
   });

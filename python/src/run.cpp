@@ -33,25 +33,26 @@ struct Designed {
 FieldAlignment alignment_of(const py::dict& d) {
   FieldAlignment out{.features = sharp_options(d),
                      .edges = {},
-                     .across = d["across"].cast<bool>(),
-                     .weight = d["weight"].cast<double>(),
-                     .max_steps = d["max_steps"].cast<int>()};
-  if (!d["edges"].is_none()) out.edges = pairs_of(d["edges"].cast<py::object>(), "edges");
+                     .across = as<bool>(d["across"], "across"),
+                     .weight = as<double>(d["weight"], "weight"),
+                     .max_steps = as<int>(d["max_steps"], "max_steps")};
+  if (!d["edges"].is_none()) out.edges = pairs_of(d["edges"], "edges");
   return out;
 }
 
 FieldRunOptions options_of(const py::dict& d, const py::dict& connection, const py::dict& eigen) {
-  FieldRunOptions out{.n = d["n"].cast<int>(),
-                      .s = d["s"].cast<double>(),
+  FieldRunOptions out{.n = as<int>(d["n"], "n"),
+                      .s = as<double>(d["s"], "s"),
                       .connection = connection_of(connection),
                       .eigen = eigen_of(eigen),
-                      .normalise = d["normalise"].cast<bool>()};
-  for (const py::handle h : d["repairs"]) out.repairs.push_back(named<Repair>(h.cast<std::string>(), "repairs"));
-  out.weld_tolerance = d["weld_tolerance"].cast<double>();
-  out.modes = d["modes"].cast<int>();
-  out.triangulation = named<Triangulation>(d["triangulation"].cast<std::string>(), "triangulation");
-  out.min_angle = d["min_angle"].cast<double>();
-  if (!d["align"].is_none()) out.align = alignment_of(d["align"].cast<py::dict>());
+                      .normalise = as<bool>(d["normalise"], "normalise")};
+  for (const py::handle h : d["repairs"])
+    out.repairs.push_back(named<Repair>(as<std::string>(h, "repairs"), "repairs"));
+  out.weld_tolerance = as<double>(d["weld_tolerance"], "weld_tolerance");
+  out.modes = as<int>(d["modes"], "modes");
+  out.triangulation = named<Triangulation>(as<std::string>(d["triangulation"], "triangulation"), "triangulation");
+  out.min_angle = as<double>(d["min_angle"], "min_angle");
+  if (!d["align"].is_none()) out.align = alignment_of(as<py::dict>(d["align"], "align"));
   return out;
 }
 

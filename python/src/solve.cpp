@@ -17,21 +17,21 @@ EigenOptions eigen_of(const py::dict& d) {
   for (const auto& [key, value] : d) {
     const auto name = key.cast<std::string>();
     if (name == "tolerance") {
-      if (!value.is_none()) out.tolerance = value.cast<double>();
+      if (!value.is_none()) out.tolerance = as<double>(value, name);
     } else if (name == "angle_tolerance") {
-      out.angle_tolerance = value.cast<double>();
+      out.angle_tolerance = as<double>(value, name);
     } else if (name == "degree") {
-      out.degree = value.cast<int>();
+      out.degree = as<int>(value, name);
     } else if (name == "solver") {
-      out.solver = value.cast<std::string>();
+      out.solver = as<std::string>(value, name);
     } else if (name == "method") {
-      out.method = value.cast<std::string>();
+      out.method = as<std::string>(value, name);
     } else if (name == "max_iterations") {
-      out.max_iterations = value.cast<int>();
+      out.max_iterations = as<int>(value, name);
     } else if (name == "seed") {
-      out.seed = value.cast<std::uint64_t>();
+      out.seed = as<std::uint64_t>(value, name);
     } else if (name == "prove_smallest") {
-      const auto text = value.cast<std::string>();
+      const auto text = as<std::string>(value, name);
       const std::optional<Prove> prove = from_name<Prove>(text);
       if (!prove) throw OptionError(name, text, "must be 'auto', 'always' or 'never'");
       out.prove_smallest = *prove;

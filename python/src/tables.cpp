@@ -14,11 +14,11 @@ namespace alcap::python {
 namespace {
 
 std::string tables(const py::dict& d, const py::object& V, const py::object& F, const py::object& progress) {
-  app::TablesOptions options{.levels = d["levels"].cast<std::vector<int>>(),
-                             .fields = d["fields"].cast<int>(),
-                             .jitter = d["jitter"].cast<double>(),
-                             .seed = d["seed"].cast<std::uint64_t>(),
-                             .more = d["more"].cast<bool>()};
+  app::TablesOptions options{.levels = as<std::vector<int>>(d["levels"], "levels"),
+                             .fields = as<int>(d["fields"], "fields"),
+                             .jitter = as<double>(d["jitter"], "jitter"),
+                             .seed = as<std::uint64_t>(d["seed"], "seed"),
+                             .more = as<bool>(d["more"], "more")};
   if (py::len(V) > 0) {
     options.mesh = {positions_of(V), faces_of(F)};
     options.mesh_name = "mesh";
@@ -34,13 +34,13 @@ std::string tables(const py::dict& d, const py::object& V, const py::object& F, 
 }
 
 py::dict plan(const py::dict& d) {
-  const PlanOptions options{.faces = d["faces"].cast<std::int64_t>(),
-                            .vertices = d["vertices"].cast<std::int64_t>(),
-                            .n = d["n"].cast<int>(),
-                            .threads = d["threads"].cast<int>(),
-                            .formats = d["formats"].cast<std::vector<std::string>>(),
-                            .speed = d["speed"].cast<double>(),
-                            .memory = d["memory"].cast<std::int64_t>()};
+  const PlanOptions options{.faces = as<std::int64_t>(d["faces"], "faces"),
+                            .vertices = as<std::int64_t>(d["vertices"], "vertices"),
+                            .n = as<int>(d["n"], "n"),
+                            .threads = as<int>(d["threads"], "threads"),
+                            .formats = as<std::vector<std::string>>(d["formats"], "formats"),
+                            .speed = as<double>(d["speed"], "speed"),
+                            .memory = as<std::int64_t>(d["memory"], "memory")};
   const RunPlan r = plan_field(options);
   py::list phases;
   for (const PhasePlan& phase : r.phases) {

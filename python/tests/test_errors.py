@@ -73,3 +73,33 @@ def test_out_of_range_numbers_are_refused():
             call()
     with pytest.raises(IndexError):
         alcap.streamlines(surface, field)[10**6]
+
+
+def test_values_of_the_wrong_type_are_named():
+    surface = alcap.connect(alcap.Surface(V, F))
+    run = alcap.smoothest_field(alcap.Surface(V, F))
+    for name, value, call in (
+            ('n', '4.5', lambda: alcap.run_field(V, F, n=4.5)),
+            ('n', str(2**40), lambda: alcap.run_field(V, F, n=2**40)),
+            ('min_angle', "'wide'", lambda: alcap.run_field(V, F, min_angle='wide')),
+            ('max_points', '1.5', lambda: alcap.streamlines(surface, run.field, max_points=1.5)),
+            ('spacing', 'None', lambda: alcap.streamlines(surface, run.field, spacing=None)),
+            ('detail', "'fine'", lambda: alcap.connect(alcap.Surface(V, F), detail='fine')),
+            ('seed', '-1', lambda: alcap.smoothest_field(alcap.Surface(V, F), seed=-1)),
+            ('sign', '0.5', lambda: alcap.Designer(surface, n=1).add(alcap.SingularityTarget(0, 0.5)))):
+        with pytest.raises(alcap.OptionError) as raised:
+            call()
+        assert (raised.value.field, raised.value.value) == (name, value)
+        assert 'must be' in raised.value.rule
+
+
+def test_wide_indices_of_matrices_do_not_wrap():
+    import scipy.sparse
+    one = scipy.sparse.identity(3, format='csc', dtype=complex)
+    wide = scipy.sparse.csc_matrix((one.data, one.indices.astype(np.int64), one.indptr.astype(np.int64)))
+    wide.indices = wide.indices.astype(np.int64)
+    wide.indptr = wide.indptr.astype(np.int64)
+    assert np.allclose(alcap.factorise(wide).solve(np.ones(3)), 1)
+    wide.indices = wide.indices + 2**32  # the same in 32 bits
+    with pytest.raises(alcap.OptionError, match='32 bits'):
+        alcap.factorise(wide)
