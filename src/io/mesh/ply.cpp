@@ -58,7 +58,13 @@ class Reader {
  private:
   void skip(const PlyProperty& p, const PlyElement& element) {
     std::int64_t count = 1;
-    if (p.is_list && (!body_.integer(p.count_type, count) || count < 0)) fail_value(p, element);
+    const char* const where = body_.where();
+    if (p.is_list && !body_.integer(p.count_type, count)) fail_value(p, element);
+    if (count < 0) {
+      fail_at(source_, where,
+              quoted(p.name) + " of element " + quoted(element.name) + " has " + std::to_string(count) +
+                  " values; the file is damaged or cut");
+    }
     if (!body_.skip(p.type, count)) fail_value(p, element);
   }
 

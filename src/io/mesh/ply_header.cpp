@@ -50,7 +50,8 @@ struct Names {
 void read_element(Tokenizer& in, PlyHeader& header, Names& names) {
   PlyElement element;
   element.name = in.word();
-  if (!in.integer(element.count) || element.count < 0) in.fail_number("number of elements");
+  if (!in.integer(element.count)) in.fail_number("number of elements");
+  if (element.count < 0) in.fail(std::to_string(element.count) + " elements " + quoted(element.name));
   if (header.elements.size() >= most_elements) in.fail("more than " + std::to_string(most_elements) + " elements");
   if (!names.elements.insert(element.name).second) in.fail("element " + quoted(element.name) + " is announced twice");
   names.properties.clear();
