@@ -33,10 +33,11 @@ using namespace alcap;
 namespace {
 
 #if defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__) || !defined(NDEBUG)
-constexpr bool slow = true;
+constexpr bool slow = true;  // thread sanitizers take twenty times as long
 #else
 constexpr bool slow = false;
 #endif
+constexpr int usual_level = slow ? 3 : 5, large_level = slow ? 4 : 6, huge_level = slow ? 5 : 7;
 
 #ifdef __GLIBC__
 std::atomic<long> clock_step{0}, clock_moved{0};  // nanoseconds
@@ -127,7 +128,7 @@ std::vector<Call> mesh_calls(const Scene& s) {
   return {
       {"read_mesh", [&](const RunControl& c) { (void)read_mesh(s.mesh_file, {.control = c}); }},
       {"write_mesh", [&](const RunControl& c) { write_mesh(s.folder.path / "copy.obj", d.V, d.F, c); }},
-      inside("icosphere", [] { (void)icosphere(7); }),
+      inside("icosphere", [] { (void)icosphere(huge_level); }),
       inside("Surface", [&] { (void)Surface(d.V, d.F); }),
       inside("find_defects", [&] { (void)find_defects(d.F, d.V.rows()); }),
       inside("find_defects in space", [&] { (void)find_defects(d.V, d.F); }),
@@ -303,7 +304,7 @@ TEST_CASE("a check asks when ten milliseconds have passed since the last questio
 #endif
 
 TEST_CASE("cancelled in the middle: Cancelled, no file appears, and the same call gives the same bits afterwards") {
-  const Scene scene(6);
+  const Scene scene(large_level);
   const std::set<std::string> files = scene.folder.names();
   const ComplexVectorX<double> alone = scene.run.field.u;
   const auto remove_copies = [&] {
@@ -336,7 +337,7 @@ TEST_CASE("cancelled in the middle: Cancelled, no file appears, and the same cal
 }
 
 TEST_CASE("cancelled from another thread at any moment, and the run after it is as if nothing had been") {
-  const Scene scene(5);
+  const Scene scene(usual_level);
   for (int k = 0; k < 12; ++k) {
     CAPTURE(k);
     std::atomic<bool> stop{false};
@@ -356,7 +357,7 @@ TEST_CASE("cancelled from another thread at any moment, and the run after it is 
 }
 
 TEST_CASE("a designer that was stopped at any question gives the field of one that was not") {
-  const Scene scene(5);
+  const Scene scene(usual_level);
   const FieldRun& r = scene.run;
   const auto edited = [&](Designer& designer, bool may_fail) {
     const auto attempt = [&](const std::function<void()>& step) {
@@ -402,7 +403,7 @@ TEST_CASE("a designer that was stopped at any question gives the field of one th
 }
 
 TEST_CASE("two runs on two threads: one is cancelled, the other one does not notice") {
-  const Scene scene(5);
+  const Scene scene(usual_level);
   std::atomic<int> cancelled{0};
   std::atomic<bool> stop{false};
   std::thread other([&] {
@@ -428,7 +429,7 @@ TEST_CASE("two runs on two threads: one is cancelled, the other one does not not
 }
 
 TEST_CASE("inside the caller's task_arena: its threads and no others, and the same bits") {
-  const Scene scene(5);
+  const Scene scene(usual_level);
   for (const int width : {1, 4}) {
     for (const int threads : {0, 1, 8}) {
       CAPTURE(width);
@@ -449,7 +450,7 @@ TEST_CASE("inside the caller's task_arena: its threads and no others, and the sa
 }
 
 TEST_CASE("one thread means the caller's, in every call") {
-  const Scene scene(5);
+  const Scene scene(usual_level);
   for (const Call& call : all_calls(scene)) {
     CAPTURE(std::string(call.name));
     Watch watch;
@@ -461,7 +462,7 @@ TEST_CASE("one thread means the caller's, in every call") {
 }
 
 TEST_CASE("progress: phases in order on the caller's thread, parts between 0 and 1 that grow") {
-  const Scene scene(7);
+  const Scene scene(huge_level);
   const auto caller = std::this_thread::get_id();
   std::vector<std::string> phases;
   double last = 0;
