@@ -61,6 +61,48 @@ test('the keyboard alone places, moves, turns and removes', () => on({ viewport:
   assert.equal(hand.design().singularities[0].kind, 'source');
 }));
 
+test('the keyboard alone draws a stroke, erases a part of it, and drops one that is not wanted', () => on({ viewport: { width: 1000, height: 700 } }, async (page, hand) => {
+  const drawn = () => page.evaluate(() => alcap.strokes.drawn?.length ?? 0);
+  const pressed = async (name) => {
+    await page.keyboard.press(name);
+    await page.evaluate(() => alcap.stage.drawn());
+  };
+  await pressed('b');
+  await page.waitForSelector('.cross', { state: 'visible' });
+  await pressed('Enter');
+  for (let k = 0; k < 5; ++k) await pressed('ArrowRight');
+  const before = await drawn();
+  assert.ok(before > 5, `${before}`);
+  await hand.editing(() => page.keyboard.press('Enter'));
+  assert.equal(await drawn(), 0);
+  const [stroke] = hand.design().strokes;
+  assert.equal(stroke.points.length, before);
+  // On the sphere it turned about the axis that points up: the stroke keeps its height, and its length is that of the turn.
+  const places = await page.evaluate((points) => points.map((p) => alcap.view.surface.at(p.face, p.barycentric)), stroke.points);
+  const angle = Math.acos(places[0].reduce((sum, x, c) => sum + x * places.at(-1)[c], 0) / (Math.hypot(...places[0]) * Math.hypot(...places.at(-1))));
+  assert.ok(angle > 0.4 && angle < 0.65, `${angle}`);
+  const steps = places.slice(1).map((p, k) => Math.hypot(...p.map((x, c) => x - places[k][c])));
+  assert.ok(Math.max(...steps) < 0.1, `${Math.max(...steps)}`);
+  // It is the chosen one: its beads are there, and the Delete key would take it.
+  assert.equal(await page.evaluate(() => alcap.stroked), 0);
+  assert.ok((await page.locator('.bead').count()) >= 2);
+  // One that is begun and dropped leaves nothing.
+  await pressed('Enter');
+  for (let k = 0; k < 3; ++k) await pressed('ArrowDown');
+  assert.ok((await drawn()) > 1);
+  await pressed('Escape');
+  assert.equal(await drawn(), 0);
+  assert.equal(hand.design().strokes.length, 1);
+  for (let k = 0; k < 3; ++k) await pressed('ArrowUp');
+  // The eraser at its end takes a part.
+  await pressed('e');
+  await hand.editing(() => page.keyboard.press('Enter'));
+  const left = hand.design().strokes;
+  assert.ok(left.length === 1 && left[0].points.length < stroke.points.length && left[0].points.length > 1, JSON.stringify(left.map((s) => s.points.length)));
+  await hand.editing(() => page.keyboard.press('Control+z'));
+  assert.equal(hand.design().strokes[0].points.length, before);
+}));
+
 test('on a phone the sheet covers at most half, and everything is large enough for a finger', () => on({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true }, async (page, hand) => {
   const middle = await page.evaluate(() => {
     const box = alcap.stage.canvas.getBoundingClientRect();

@@ -21,6 +21,8 @@ export class Strokes {
     app.stage.add(this.lines);
     app.stage.add(this.chosen);
     this.beads = [];
+    this.drawn = null;  // points of the stroke that is being drawn
+    this.left = null;   // strokes, of which the eraser has taken some
     this.listen(app.stage.canvas);
   }
 
@@ -67,44 +69,102 @@ export class Strokes {
   }
 
   listen(canvas) {
-    let points = null, erased = null;
-    const add = (event) => {
-      const hit = this.app.view.pick(event);
-      const last = points.at(-1);
-      if (hit && (!last || Math.hypot(...hit.point.map((x, c) => x - last.point[c])) > apart * this.app.stage.diagonal)) points.push(hit);
-      this.show(this.app.design.strokes, points.map((p) => p.point));
-    };
-    const rub = (event) => {
-      const hit = this.app.view.pick(event);
-      if (!hit) return;
-      erased = this.rubbed(erased, hit.point);
-      const { mirror } = this.app;
-      if (mirror.axis >= 0) erased = this.rubbed(erased, mirror.place(hit).point);
-      this.show(erased);
-    };
+    let pointer = false;
     canvas.addEventListener('pointerdown', (event) => {
       const { tool } = this.app;
       if (!['stroke', 'erase'].includes(tool) || !event.isPrimary || event.button !== 0) return;
       canvas.setPointerCapture(event.pointerId);
-      if (tool === 'stroke') add(event, (points = []));
-      else rub(event, (erased = this.app.design.strokes || []));
+      this.drop();
+      pointer = true;
+      if (tool === 'stroke') this.begin(event);
+      else this.beginRub(event);
     });
     canvas.addEventListener('pointermove', (event) => {
-      if (points) add(event);
-      else if (erased) rub(event);
+      if (!pointer) return;
+      if (this.drawn) this.add(event);
+      else if (this.left) this.rub(event);
     });
     const end = (event) => {
-      if (points?.length > 1 && event.type === 'pointerup') this.app.addStroke({ points: points.map(({ face, barycentric }) => ({ face, barycentric })), weight: 10 });
-      else if (points) this.show(this.app.design.strokes);
-      if (erased && erased !== this.app.design.strokes) {
-        const left = erased;
-        this.app.stroked = -1;
-        this.app.change((d) => { d.strokes = left; });
-      }
-      points = erased = null;
+      if (pointer) this.finish(event.type === 'pointerup');
+      pointer = false;
     };
     canvas.addEventListener('pointerup', end);
     canvas.addEventListener('pointercancel', end);
+  }
+
+  /** Enter: begins a stroke at a place on screen, and ends it there. Between the two, follow() draws. */
+  pen(place) {
+    if (this.drawn) return this.finish(true, true);
+    this.begin(place);
+    if (!this.drawn.length) this.drawn = null;  // beside the surface
+  }
+
+  /** Before each picture: the surface has turned under the place where a stroke is drawn by the keyboard. */
+  follow(place) {
+    if (this.drawn) this.add(place);
+  }
+
+  /** Enter: erases at a place on screen. */
+  wipe(place) {
+    this.beginRub(place);
+    this.finish(true);
+  }
+
+  /** Forgets what is being drawn; whether there was something. */
+  drop() {
+    const was = Boolean(this.drawn || this.left);
+    this.finish(false);
+    return was;
+  }
+
+  begin(event) {
+    this.drawn = [];
+    this.add(event);
+  }
+
+  beginRub(event) {
+    this.left = this.app.design.strokes || [];
+    this.rub(event);
+  }
+
+  /** The stroke goes on to a place on screen; a long way in steps over the surface. */
+  add(event) {
+    const { stage, view } = this.app, step = apart * stage.diagonal;
+    const hit = view.pick(event), last = this.drawn.at(-1);
+    const far = hit && last ? Math.hypot(...subtract(hit.point, last.point)) : Infinity;
+    if (!hit || far <= step) return;
+    const steps = last ? Math.min(40, Math.ceil(far / (3 * step))) : 1;
+    for (let k = 1; k < steps; ++k) this.drawn.push(view.surface.nearest(last.point.map((x, c) => x + (k / steps) * (hit.point[c] - x))));
+    this.drawn.push(hit);
+    this.show(this.app.design.strokes, this.drawn.map((p) => p.point));
+  }
+
+  rub(event) {
+    const hit = this.app.view.pick(event);
+    if (!hit) return;
+    this.left = this.rubbed(this.left, hit.point);
+    const { mirror } = this.app;
+    if (mirror.axis >= 0) this.left = this.rubbed(this.left, mirror.place(hit).point);
+    this.show(this.left);
+  }
+
+  /** Keeps what was drawn or erased, or not. choose: the new stroke is then the chosen one. */
+  finish(keep, choose = false) {
+    const { drawn, left, app } = this;
+    this.drawn = this.left = null;
+    if (drawn?.length > 1 && keep) {
+      app.addStroke({ points: drawn.map(({ face, barycentric }) => ({ face, barycentric })), weight: 10 }, choose);
+    } else if (drawn) {
+      this.show(app.design.strokes);
+    }
+    if (left && left !== app.design.strokes) {
+      if (keep) {
+        app.stroked = -1;
+        app.change((d) => { d.strokes = left; });
+      } else {
+        this.show(app.design.strokes);
+      }
+    }
   }
 
   /** What is left of strokes when the eraser has been at a point; the same list where it met none. */

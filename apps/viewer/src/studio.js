@@ -19,7 +19,7 @@ import { makePictures } from './view.js';
 
 const many = 200000;  // faces: curves are drawn far apart first
 
-const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'Put it where the cross is'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
+const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'At the cross: put it there, begin or end a stroke, erase'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
 
 export async function startStudio(stage, ui, boot) {
   const mesh = await ask('/api/mesh');
@@ -110,10 +110,10 @@ class Studio {
     stage.canvas.addEventListener('pointerleave', () => this.point(null));
     const tool = (name) => () => this.choose(name, true);
     listen(stage, {
-      v: tool('turn'), Escape: tool('turn'), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone', true),
+      v: tool('turn'), Escape: () => this.strokes.drop() || this.choose('turn', true), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone', true),
       a: () => this.choose(kindsOf(this.design.n)[0][0], true), z: () => this.choose(kindsOf(this.design.n).at(-1)[0], true),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
-      Enter: () => this.places() && this.click(this.ahead()),
+      Enter: () => this.act(),
       Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => this.pictures.choose(), '?': () => this.help.showModal(),
     });
   }
@@ -145,6 +145,14 @@ class Studio {
     return !['turn', 'stroke', 'erase'].includes(this.tool);
   }
 
+  /** Enter: what the tool does, where the cross is. */
+  act() {
+    const brush = { stroke: (at) => this.strokes.pen(at), erase: (at) => this.strokes.wipe(at) }[this.tool];
+    if (brush && !this.keys) this.choose(this.tool, true);  // from now on by the keyboard: the cross appears
+    else if (brush) brush(this.ahead());
+    else if (this.places()) this.click(this.ahead());
+  }
+
   /** The middle of what the panel leaves free, as a place of the pointer: where the keyboard puts things. */
   ahead() {
     const box = this.stage.canvas.getBoundingClientRect();
@@ -153,15 +161,17 @@ class Studio {
 
   /** The cross of the keyboard, and the face behind it. */
   aim() {
-    this.cross.hidden = !(this.keys && this.places());
+    this.cross.hidden = !(this.keys && this.tool !== 'turn');
     if (this.cross.hidden) return;
     const at = this.ahead();
     this.cross.style.transform = `translate(${at.clientX}px, ${at.clientY}px)`;
+    this.strokes.follow(at);
     this.view.highlight(this.view.pick(at)?.face ?? -1);
   }
 
   /** The face under the pointer is outlined while something is to be put there. */
   point(event) {
+    if (this.keys && this.strokes.drawn) return;  // a stroke is being drawn by the keyboard
     this.keys = false;
     const aims = event && !event.buttons && this.places();
     this.view.highlight(aims ? this.view.pick(event)?.face ?? -1 : -1);
@@ -170,6 +180,7 @@ class Studio {
 
   /** keys: by the keyboard, which puts things where the cross is. */
   choose(tool, keys = false) {
+    this.strokes.drop();
     this.tool = tool;
     this.keys = keys;
     this.view.highlight(-1);
@@ -209,7 +220,12 @@ class Studio {
     });
   }
 
-  addStroke(s) {
+  /** chosen: with its beads and its numbers from the start. */
+  addStroke(s, chosen = false) {
+    if (chosen) {
+      this.selected = this.held = -1;
+      this.stroked = (this.design.strokes || []).length;
+    }
     return this.change((d) => {
       (d.strokes ??= []).push(s);
       if (this.mirror.axis >= 0) d.strokes.push(this.mirror.stroke(s));
