@@ -35,7 +35,11 @@ struct DesignRunOptions {
   /// end well below.
   double residual = 1e-8;
   bool normalise = false;  // true: divide by |u| afterwards, an n-direction field
-  int threads = 0;         // 0: as many as the machine has; results do not depend on it
+  /// As of run_field(). Faces, points and lines of the design are found on the triangles it is solved on, straight
+  /// ways along the surface; what the design gives per vertex is harmonic between the mesh's own.
+  Triangulation triangulation = Triangulation::automatic;
+  double min_angle = 20 * pi<double> / 180;  // radians, see FieldRunOptions::min_angle
+  int threads = 0;                           // 0: as many as the machine has; results do not depend on it
   /// Called on the calling thread when a phase starts: "connection", "guidance", "prepare", "solve", "analysis". An
   /// exception thrown here ends the run and reaches the caller.
   std::function<void(std::string_view phase)> progress = {};
@@ -86,12 +90,16 @@ struct DesignTimes {
 
 /// Everything a run computed.
 struct DesignRun {
-  ConnectedSurface surface;  ///< with the connection of the design
+  ConnectedSurface surface;  ///< with the connection of the design, unless there is a `triangulation`
   DesignFile design;         ///< placed, with the cones that balancing added
   Field field;               ///< the field
   /// The guidance field as it was used, of root mean square length 1; null without one, and for guidance towards zero.
   std::shared_ptr<const ComplexVectorX<double>> guidance;
-  double guidance_scale = 0;               ///< what it was multiplied by to be so; 0 without one
+  double guidance_scale = 0;  ///< what it was multiplied by to be so; 0 without one
+  /// Runs on an intrinsic triangulation. The field is that of its vertices, and controls are judged on it; `surface`
+  /// has the locally optimal connection then (or the polar one, if that is the design's), in whose frames the field is
+  /// given and its indices are counted.
+  std::optional<SolvedTriangulation> triangulation;
   std::vector<DesignOutcome> outcomes;     ///< singularities, fixed vertices, strokes, boundary, cones
   std::vector<EigenReport> eigen;          ///< eigen designs: per component, in the order of topology; otherwise empty
   int rows = 0;                            ///< low-rank rows in this solve

@@ -81,8 +81,8 @@ struct DesignResult {
 /// A design that is prepared once and edited cheaply, see the top of this file.
 class Designer {
  public:
-  /// Shares the surface. Throws OptionError for bad options, for t not below lambda_1, and on a surface that lies in
-  /// no space.
+  /// Shares the surface. Throws OptionError for bad options and for t not below lambda_1. On a surface that lies in no
+  /// space fields have no frames, and strokes are given as lines.
   explicit Designer(const ConnectedSurface& surface, const DesignerOptions& options = {});
   ~Designer();
   Designer(Designer&&) noexcept;

@@ -43,11 +43,12 @@ struct FieldAlignment {
 /// Which triangles of the surface a field is solved on.
 enum class Triangulation {
   extrinsic,  ///< those of the mesh
-  /// The intrinsic Delaunay triangulation of intrinsic.h, refined to FieldRunOptions::min_angle. Not with connections
-  /// that have cones: their rotations are those of one triangulation.
+  /// The intrinsic Delaunay triangulation of intrinsic.h, refined to FieldRunOptions::min_angle. Cones stay at their
+  /// vertices. Not with prescribed holonomies of generators, and not with connection targets per halfedge or face:
+  /// those are of one triangulation.
   intrinsic,
-  /// intrinsic where it pays: at least one face in a hundred has a corner below 1 degree, and the connection is global,
-  /// local or polar. Elsewhere the mesh's own.
+  /// intrinsic where it pays and is possible: at least one face in a hundred has a corner below 1 degree. Elsewhere the
+  /// mesh's own.
   automatic,
 };
 template <>
@@ -146,7 +147,11 @@ struct SolvedTriangulation {
   bool complete = true;         ///< see IntrinsicTriangulation
   double seconds = 0;           ///< wall clock, without the connection
   ConnectionReport connection;  ///< of the connection that was asked for, which is made there
-  Index singularities = 0;      ///< faces of non-zero index there; on coarse meshes those of the mesh are others
+  /// Of that connection, where it is trivial or metric: see Connection.
+  std::vector<Cone> cones;
+  std::vector<double> generator_holonomy, loop_index;  ///< the same, along generators and loops of the triangulation
+  bool parallel = true;     ///< false: flat, and without parallel n-fields, see Connection::admits_parallel
+  Index singularities = 0;  ///< faces of non-zero index there; on coarse meshes those of the mesh are others
 };
 
 /// Everything a run computed. Vertices and faces are numbered as they came, unless a repair removed faces; copies of

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import os
-from typing import Any, Dict, List, Mapping, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
+
+import numpy as np
 
 from . import _alcap
 from ._alcap import Surface
@@ -30,6 +32,17 @@ class DesignRun(Run):
         """Whether every control was met."""
         return all(control['met'] for control in self.controls)
 
+    @property
+    def triangulation(self) -> Optional[Dict[str, Any]]:
+        """The triangles that the field was solved on, where they are not those of the mesh, as of FieldRun; else None.
+
+        Controls are judged on them.
+        """
+        return self._run.triangulation
+
+
+_MIN_ANGLE = 20 * np.pi / 180
+
 
 def _design_text(design: Any) -> Tuple[str, str]:
     """JSON of a design and the folder that its files are relative to."""
@@ -41,8 +54,8 @@ def _design_text(design: Any) -> Tuple[str, str]:
 
 
 def design_field(surface: Surface, design: Union[Mapping[str, Any], Path], *, solver: str = 'auto',
-                 residual: float = 1e-8, normalise: bool = False, progress: Progress = None,
-                 threads: int = 0) -> DesignRun:
+                 residual: float = 1e-8, normalise: bool = False, triangulation: str = 'auto',
+                 min_angle: float = _MIN_ANGLE, progress: Progress = None, threads: int = 0) -> DesignRun:
     """The field that has what a design asks for.
 
     Parameters
@@ -52,6 +65,9 @@ def design_field(surface: Surface, design: Union[Mapping[str, Any], Path], *, so
         As docs/design.md describes; a path of its JSON file.
     residual : float
         Relative residual that the certificate accepts.
+    triangulation, min_angle
+        Which triangles it is solved on, as of smoothest_field(). What the design gives per vertex is harmonic between
+        the mesh's own vertices.
 
     Returns
     -------
@@ -63,7 +79,9 @@ def design_field(surface: Surface, design: Union[Mapping[str, Any], Path], *, so
         Its `field` is the JSON path of what is wrong.
     """
     text, folder = _design_text(design)
-    return DesignRun(_alcap.run_design(surface, text, folder, solver, residual, normalise, progress, threads))
+    how = {'solver': solver, 'residual': residual, 'normalise': normalise, 'triangulation': triangulation,
+           'min_angle': min_angle}
+    return DesignRun(_alcap.run_design(surface, text, folder, how, progress, threads))
 
 
 class DesignSession:
@@ -72,13 +90,16 @@ class DesignSession:
     Parameters
     ----------
     surface : Surface
-    solver, residual, normalise, progress, threads
+    solver, residual, normalise, triangulation, min_angle, progress, threads
         As of design_field(), for every solve.
     """
 
     def __init__(self, surface: Surface, *, solver: str = 'auto', residual: float = 1e-8, normalise: bool = False,
-                 progress: Progress = None, threads: int = 0) -> None:
-        self._session = _alcap.DesignSession(surface, solver, residual, normalise, progress, threads)
+                 triangulation: str = 'auto', min_angle: float = _MIN_ANGLE, progress: Progress = None,
+                 threads: int = 0) -> None:
+        how = {'solver': solver, 'residual': residual, 'normalise': normalise, 'triangulation': triangulation,
+               'min_angle': min_angle}
+        self._session = _alcap.DesignSession(surface, how, progress, threads)
 
     def solve(self, design: Union[Mapping[str, Any], Path]) -> DesignRun:
         """As design_field(); after an exception the session can be used again."""

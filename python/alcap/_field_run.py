@@ -104,7 +104,9 @@ class FieldRun(Run):
         """The triangles that the field was solved on, where they are not those of the mesh; else None.
 
         before and after (see triangle_quality()), flips, added (vertices), faces, barred, complete, seconds, connection
-        (the report of the one made there), singularities (how many there are on those triangles).
+        (the report of the one made there), and of it, where it has cones, cones, generator_holonomy and loop_index, and
+        parallel (False: it has cones or holonomies that no field of this n is parallel to); singularities (how many
+        there are on those triangles).
         """
         return self._run.triangulation
 

@@ -195,8 +195,24 @@ class Session {
   DesignSession session_;
 };
 
-DesignRunOptions design_options(const std::string& solver, double residual, bool normalise) {
-  return {.solver = solver, .residual = residual, .normalise = normalise};
+DesignRunOptions design_options(const py::dict& d) {
+  return {.solver = d["solver"].cast<std::string>(),
+          .residual = d["residual"].cast<double>(),
+          .normalise = d["normalise"].cast<bool>(),
+          .triangulation = named<Triangulation>(d["triangulation"].cast<std::string>(), "triangulation"),
+          .min_angle = d["min_angle"].cast<double>()};
+}
+
+py::object triangulation_of(const std::optional<SolvedTriangulation>& found) {
+  if (!found) return py::none();
+  const SolvedTriangulation& t = *found;
+  py::list cones;
+  for (const Cone& c : t.cones) cones.append(py::make_tuple(c.vertex, c.index));
+  return py::dict("before"_a = quality_dict(t.before), "after"_a = quality_dict(t.after), "flips"_a = t.flips,
+                  "added"_a = t.added, "faces"_a = t.faces, "barred"_a = t.barred, "complete"_a = t.complete,
+                  "seconds"_a = t.seconds, "connection"_a = connection_dict(t.connection), "cones"_a = cones,
+                  "generator_holonomy"_a = t.generator_holonomy, "loop_index"_a = t.loop_index,
+                  "parallel"_a = t.parallel, "singularities"_a = t.singularities);
 }
 
 }  // namespace
@@ -211,19 +227,14 @@ void bind_run(py::module_& m) {
                     "free_corners"_a = moved(std::vector<Index>(f.free_corners)),
                     "report"_a = deviations_dict(f.report), "followed"_a = f.followed);
   });
-  field_run.def_property_readonly("triangulation", [](const Run& r) -> py::object {
-    if (!r.run.triangulation) return py::none();
-    const SolvedTriangulation& t = *r.run.triangulation;
-    return py::dict("before"_a = quality_dict(t.before), "after"_a = quality_dict(t.after), "flips"_a = t.flips,
-                    "added"_a = t.added, "faces"_a = t.faces, "barred"_a = t.barred, "complete"_a = t.complete,
-                    "seconds"_a = t.seconds, "connection"_a = connection_dict(t.connection),
-                    "singularities"_a = t.singularities);
-  });
+  field_run.def_property_readonly("triangulation", [](const Run& r) { return triangulation_of(r.run.triangulation); });
   field_run.def_property_readonly("modes", [](const Run& r) { return modes_tuple(EigenModes(r.run.modes)); });
   field_run.def_property_readonly("copies_of", [](const Run& r) { return moved(std::vector<Index>(r.run.copies_of)); });
   field_run.def_property_readonly("face_of", [](const Run& r) { return moved(std::vector<Index>(r.run.face_of)); });
   py::class_<Designed> design_run(m, "DesignRun");
   bind_common(design_run);
+  design_run.def_property_readonly("triangulation",
+                                   [](const Designed& d) { return triangulation_of(d.run.triangulation); });
   design_run.def_property_readonly("design_json", [](const Designed& d) { return design_text(d.run.design); });
   m.def("run_field", [](const Surface& s, const py::dict& d, const py::dict& connection, const py::dict& eigen,
                         const py::object& progress, int threads) {
@@ -253,19 +264,17 @@ void bind_run(py::module_& m) {
   m.def("run_batch",
         [](const py::list& meshes, const py::dict& d, const py::dict& connection, const py::dict& eigen, int jobs,
            const py::object& progress) { return batch(meshes, options_of(d, connection, eigen), jobs, progress); });
-  m.def("run_design",
-        [](const Surface& s, const std::string& design, const std::string& folder, const std::string& solver,
-           double residual, bool normalise, const py::object& progress, int threads) {
-          const DesignFile file = parse_design(design, "design", folder);
-          const DesignRunOptions options = design_options(solver, residual, normalise);
-          return watched(progress, threads, [&] {
-            return std::make_unique<Designed>(Designed{run_design(s, file, options), file});
-          });
-        });
+  m.def("run_design", [](const Surface& s, const std::string& design, const std::string& folder, const py::dict& how,
+                         const py::object& progress, int threads) {
+    const DesignFile file = parse_design(design, "design", folder);
+    const DesignRunOptions options = design_options(how);
+    return watched(progress, threads, [&] {
+      return std::make_unique<Designed>(Designed{run_design(s, file, options), file});
+    });
+  });
   py::class_<Session>(m, "DesignSession")
-      .def(py::init([](const Surface& s, const std::string& solver, double residual, bool normalise,
-                       py::object progress, int threads) {
-        return std::make_unique<Session>(s, design_options(solver, residual, normalise), std::move(progress), threads);
+      .def(py::init([](const Surface& s, const py::dict& how, py::object progress, int threads) {
+        return std::make_unique<Session>(s, design_options(how), std::move(progress), threads);
       }))
       .def("solve", &Session::solve);
   m.def("read_design", [](const std::string& path) { return design_text(read_design(path)); });

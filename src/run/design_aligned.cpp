@@ -45,16 +45,18 @@ bool follows_boundary_alone(const DesignFile& placed, const std::vector<DesignCo
   });
 }
 
-bool solve_along_boundary(const ConnectedSurface& surface, const DesignRunOptions& options,
-                          const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
-                          DesignRun& run) {
+bool solve_along_boundary(const ConnectedSurface& surface, const FeatureGraph& graph, double coarser,
+                          const DesignRunOptions& options, const std::vector<DesignControl>& controls,
+                          std::vector<ControlReport>& reports, DesignRun& run) {
   const Stopwatch watch;
   if (surface.topology().loops.empty())
     throw OptionError("/boundary", "none", "this mesh has no boundary to align with");
   const DesignBoundary& boundary = run.design.boundary;
-  const FeatureGraph graph = sharp_edges(surface, {.creases = false});
-  AlignedOptions aligned{
-      .n = run.design.n, .across = boundary.normal, .weight = boundary.weight, .eigen = {.solver = options.solver}};
+  AlignedOptions aligned{.n = run.design.n,
+                         .across = boundary.normal,
+                         .weight = boundary.weight,
+                         .finest = coarser * AlignedOptions{}.finest,
+                         .eigen = {.solver = options.solver}};
   for (const DesignControl& c : controls)
     if (const auto* fixed = std::get_if<VertexConstraint>(&c.control)) aligned.fixed.push_back(*fixed);
   AlignedResult result = aligned_field(surface, graph, aligned);

@@ -28,33 +28,36 @@ Type type_of(const Control& control) {
   return std::holds_alternative<Stroke>(control) ? Type::stroke : Type::boundary;
 }
 
-void judge_singularity(const DesignRun& run, const SingularityTarget& target, DesignOutcome& out) {
+void judge_singularity(const DesignRun& run, const SolvedDesign& solved, const SingularityTarget& target,
+                       const SingularityTarget& solved_target, DesignOutcome& out) {
   for (const Singularity& found : run.singularities)
     if (found.face == target.face) out.found = found;
   if (!target.pin) return;
-  const ComplexVectorX<double>& u = run.field.u;
-  const FieldValue there = face_field(run.surface, run.design.n, u, target.face).at(*target.pin);
+  const ComplexVectorX<double>& u = solved.u;
+  const Index face = solved_target.face;
+  const FieldValue there = face_field(solved.surface, run.design.n, u, face).at(*solved_target.pin);
   double size = 0;
-  for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[run.mesh().F()(target.face, c)]));
+  for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[solved.surface.mesh().F()(face, c)]));
   out.length_at_pin = size > 0 ? std::abs(there.u) / size : 0;
   out.met = out.met && out.length_at_pin <= pinned;
 }
 
 /// Curvature that the connection gives every vertex, in turns: 1 - (sum of the corner angles it sees) / 2 pi.
-VectorX<double> vertex_turns(const DesignRun& run) {
-  VectorX<double> turns = VectorX<double>::Ones(run.mesh().vertices());
-  const auto& alpha = run.connection().alpha;
-  for (Index h = 0; h < run.mesh().halfedges(); ++h) {
+VectorX<double> vertex_turns(const ConnectedSurface& surface) {
+  const Mesh& mesh = surface.mesh();
+  VectorX<double> turns = VectorX<double>::Ones(mesh.vertices());
+  const auto& alpha = surface.connection().alpha;
+  for (Index h = 0; h < mesh.halfedges(); ++h) {
     const double turned = alpha.size() ? alpha[h] - alpha[Mesh::prev(h)] : 0.0;
-    turns[run.mesh().tail(h)] -= (run.geometry().angles()[h] + turned) / (2 * pi<double>);
+    turns[mesh.tail(h)] -= (surface.geometry().angles()[h] + turned) / (2 * pi<double>);
   }
   return turns;
 }
 
-void judge_cones(const DesignRun& run, std::vector<DesignOutcome>& outcomes) {
+void judge_cones(const DesignRun& run, const ConnectedSurface& solved, std::vector<DesignOutcome>& outcomes) {
   const std::vector<Cone>& cones = run.design.connection.cones;
   if (cones.empty()) return;
-  const VectorX<double> turns = vertex_turns(run);
+  const VectorX<double> turns = vertex_turns(solved);
   for (std::size_t k = 0; k < cones.size(); ++k) {
     const Index v = cones[k].vertex;
     // Several entries for one vertex add up.
@@ -128,7 +131,8 @@ Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
 
 }  // namespace
 
-std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<DesignControl>& controls,
+std::vector<DesignOutcome> judge_design(const DesignRun& run, const SolvedDesign& solved,
+                                        const std::vector<DesignControl>& controls,
                                         const std::vector<ControlReport>& reports) {
   std::vector<DesignOutcome> outcomes;
   std::size_t numbers[4] = {};
@@ -144,9 +148,11 @@ std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<
                                                              .met = report.met,
                                                              .error_degrees = report.error_degrees,
                                                              .index = report.index});
-    if (type == Type::singularity) judge_singularity(run, std::get<SingularityTarget>(c.control), out);
+    if (type == Type::singularity)
+      judge_singularity(run, solved, std::get<SingularityTarget>(c.control),
+                        std::get<SingularityTarget>(solved.controls[k].control), out);
   }
-  judge_cones(run, outcomes);
+  judge_cones(run, solved.surface, outcomes);
   return outcomes;
 }
 
@@ -177,9 +183,9 @@ void remark_vanishing(double largest_residual, DesignRun& run) {
   run.remarks.push_back(std::move(remark));
 }
 
-void certify_design(DesignRun& run, bool eigen_converged, double largest_residual) {
+void certify_design(const Connection& solved, bool eigen_converged, double largest_residual, DesignRun& run) {
   DesignCertificate& c = run.certificate;
-  c.connection_converged = run.connection().report.converged;
+  c.connection_converged = solved.report.converged;
   c.eigen_converged = eigen_converged;
   c.residual_small = run.residual <= largest_residual;  // false for NaN
   c.index_sums_match =
@@ -190,8 +196,7 @@ void certify_design(DesignRun& run, bool eigen_converged, double largest_residua
   const auto warn = [&](bool fine, const char* code, const char* message) {
     if (!fine) run.remarks.push_back({.code = code, .message = message});
   };
-  if (run.connection().flat && !run.connection().admits_parallel(run.design.n))
-    run.remarks.push_back(not_parallel(run.design.n));
+  if (solved.flat && !solved.admits_parallel(run.design.n)) run.remarks.push_back(not_parallel(run.design.n));
   warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
   warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
   warn(c.residual_small || run.design.method == DesignMethod::eigen, "residual_large",

@@ -119,7 +119,8 @@ void DesignStages::connect(const DesignFile& placed) {
   if (text == connection_text_) return;
   forget();
   connection_text_.clear();
-  connected_ = alcap::connect(surface_, connection_options(placed));
+  const ConnectionOptions options = connection_options(placed);
+  if (!connect_intrinsic(options)) given_ = connected_ = alcap::connect(surface_, options);
   connection_text_ = std::move(text);
 }
 
@@ -127,7 +128,9 @@ void DesignStages::guide(const DesignFile& placed, Source source) {
   std::string text = guidance_key(placed, source);
   if (text == guidance_text_) return;
   forget();
-  guidance_ = find_guidance(connected_, placed, source, options_.solver);
+  const bool on_mesh = solve_ && source != Source::smoothest;  // curvature, files
+  guidance_ = find_guidance(on_mesh ? given_ : connected_, placed, source, options_.solver);
+  if (on_mesh) carry_guidance(placed.n);
   guidance_text_ = std::move(text);
 }
 
@@ -147,8 +150,9 @@ void DesignStages::prepare(const DesignFile& placed, const std::vector<DesignCon
                                                          .right_hand_sides = once_ ? right_hand_sides(controls) : 0});
   if (guidance_.u) designer_->set_guidance(*guidance_.u);
   if (!g.weights.empty()) {
-    designer_->set_guidance_weights(
-        Eigen::Map<const VectorX<double>>(g.weights.data(), static_cast<Eigen::Index>(g.weights.size())));
+    const VectorX<double> weights =
+        Eigen::Map<const VectorX<double>>(g.weights.data(), static_cast<Eigen::Index>(g.weights.size()));
+    designer_->set_guidance_weights(solve_ ? solve_->from_given(weights) : weights);
   }
   designer_text_ = std::move(text);
 }
@@ -329,13 +333,11 @@ bool DesignStages::solve_guided(const std::vector<DesignControl>& controls, std:
   run.guidance_scale = guidance_.scale;
   run.times.guidance = watch.seconds();
   if (lone) {
-    run.field = {.n = run.design.n, .u = *guidance_.u, .frames = connected_.frames()};
+    run.field = {.n = run.design.n, .u = *guidance_.u, .frames = connected_.in_space() ? connected_.frames() : nullptr};
     return guidance_.converged;
   }
   bool converged = solve_variational(controls, reports, run);
-  converged = fill_pieces(controls, run) && converged && guidance_.converged;
-  remark_vanishing(options_.residual, run);
-  return converged;
+  return fill_pieces(controls, run) && converged && guidance_.converged;
 }
 
 DesignRun DesignStages::solve(const DesignFile& design) {
@@ -344,34 +346,51 @@ DesignRun DesignStages::solve(const DesignFile& design) {
   say("connection");
   run.design = place_design(design, surface_);
   connect(run.design);
-  run.surface = connected_;
+  run.surface = given_;
   // From here on the cones are those of the connection.
   run.design.connection.cones = connected_.connection().cones;
   run.design.connection.balance = false;
-  const std::vector<DesignControl> controls = design_controls(run.design, connected_);
+  const std::vector<DesignControl> controls = design_controls(run.design, given_),
+                                   there = carried(controls, run.design.n);
   run.times.connection = watch.lap();
 
   std::vector<ControlReport> reports;
   bool converged = true;
-  if (follows_boundary_alone(run.design, controls)) {
+  const bool boundary_alone = follows_boundary_alone(run.design, controls);
+  if (boundary_alone) {
     say("solve");
-    converged = solve_along_boundary(connected_, options_, controls, reports, run);
+    const FeatureGraph boundary = sharp_edges(surface_, {.creases = false});
+    const double coarser = static_cast<double>(connected_.mesh().vertices()) / given_.mesh().vertices();
+    converged = solve_along_boundary(connected_, solve_ ? graph_on(solve_->triangulation(), boundary) : boundary,
+                                     coarser, options_, there, reports, run);
   } else if (run.design.method == DesignMethod::variational) {
-    converged = solve_guided(controls, reports, run);
+    converged = solve_guided(there, reports, run);
   } else {
-    converged = solve_eigen(controls, reports, run);
+    converged = solve_eigen(there, reports, run);
   }
 
   watch.lap();
   say("analysis");
+  const ComplexVectorX<double> solved = run.field.u;
+  if (solve_) bring_back(run);
+  const bool lone = controls.empty() && run.design.guidance.source == Source::nothing;
+  if (run.design.method == DesignMethod::variational && !boundary_alone && !lone)
+    remark_vanishing(options_.residual, run);
+  analyse(solved, controls, there, reports, converged, run);
+  run.times.analysis = watch.lap();
+  return run;
+}
+
+void DesignStages::analyse(const ComplexVectorX<double>& solved, const std::vector<DesignControl>& controls,
+                           const std::vector<DesignControl>& solved_controls, const std::vector<ControlReport>& reports,
+                           bool converged, DesignRun& run) const {
   run.indices = face_indices(run.surface, run.field);
   run.index_sums = index_sums(run.surface, run.field, run.indices);
   run.singularities = find_singularities(run.surface, run.field, run.indices);
-  run.outcomes = judge_design(run, controls, reports);
-  certify_design(run, converged, options_.residual);
+  run.outcomes = judge_design(run, {connected_, solved, solved_controls}, controls, reports);
+  if (run.triangulation) remark_triangulation(*run.triangulation, run.singularities.size(), run.remarks);
+  certify_design(connected_.connection(), converged, options_.residual, run);
   if (options_.normalise) run.field = normalised(std::move(run.field));
-  run.times.analysis = watch.lap();
-  return run;
 }
 
 }  // namespace detail

@@ -11,6 +11,7 @@
 
 #include "alcap/design_run.h"
 #include "src/base/cancel.h"
+#include "src/run/intrinsic_solve.h"
 
 namespace alcap::detail {
 
@@ -43,6 +44,17 @@ class DesignStages {
     detail::report_phase(phase);
   }
   void connect(const DesignFile& placed);
+  /// Sets solve_ where the design is to be solved on an intrinsic triangulation, and returns whether it is.
+  bool connect_intrinsic(const ConnectionOptions& options);
+  /// Controls on the mesh as they are on the triangulation.
+  [[nodiscard]] std::vector<DesignControl> carried(std::vector<DesignControl> controls, int n) const;
+  /// Guidance on the mesh as it is on the triangulation.
+  void carry_guidance(int n);
+  /// The field that was solved for, from the triangulation to the mesh.
+  void bring_back(DesignRun& run) const;
+  void analyse(const ComplexVectorX<double>& solved, const std::vector<DesignControl>& controls,
+               const std::vector<DesignControl>& solved_controls, const std::vector<ControlReport>& reports,
+               bool converged, DesignRun& run) const;
   void guide(const DesignFile& placed, DesignGuidance::Source source);
   void prepare(const DesignFile& placed, const std::vector<DesignControl>& controls);
   void put(const std::vector<DesignControl>& controls, std::vector<std::string> keys);
@@ -62,7 +74,10 @@ class DesignStages {
   bool once_;
 
   std::string connection_text_;
-  ConnectedSurface connected_;
+  ConnectedSurface connected_;  // what is solved on
+  ConnectedSurface given_;      // the mesh: the same, or in whose frames results of the triangulation are
+  std::optional<IntrinsicTriangulation> triangulation_;  // made once
+  std::unique_ptr<IntrinsicSolve> solve_;                // with the connection; null: solved on the mesh
   std::string guidance_text_;
   ScaledGuidance guidance_;
   std::string designer_text_;
@@ -79,19 +94,28 @@ class DesignStages {
 [[nodiscard]] bool follows_boundary_alone(const DesignFile& placed, const std::vector<DesignControl>& controls);
 
 /// Such a design as an aligned field: fills field, reports and what the solve did; returns whether every eigenproblem
-/// converged. Throws OptionError where there is no boundary.
-[[nodiscard]] bool solve_along_boundary(const ConnectedSurface& surface, const DesignRunOptions& options,
-                                        const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
-                                        DesignRun& run);
+/// converged. `boundary`: its edges. `coarser`: as many vertices as there are to one of the mesh. Throws OptionError
+/// where there is no boundary.
+[[nodiscard]] bool solve_along_boundary(const ConnectedSurface& surface, const FeatureGraph& boundary, double coarser,
+                                        const DesignRunOptions& options, const std::vector<DesignControl>& controls,
+                                        std::vector<ControlReport>& reports, DesignRun& run);
+
+/// What was solved: on the mesh, or on an intrinsic triangulation of it.
+struct SolvedDesign {
+  const ConnectedSurface& surface;
+  const ComplexVectorX<double>& u;
+  const std::vector<DesignControl>& controls;  // as the solver had them
+};
 
 /// What became of the controls and cones, in the order of the design. `reports` are those of `controls`.
-[[nodiscard]] std::vector<DesignOutcome> judge_design(const DesignRun& run, const std::vector<DesignControl>& controls,
+[[nodiscard]] std::vector<DesignOutcome> judge_design(const DesignRun& run, const SolvedDesign& solved,
+                                                      const std::vector<DesignControl>& controls,
                                                       const std::vector<ControlReport>& reports);
 
 /// A warning where the field is so much smaller than elsewhere on its component that the solve says nothing about it.
 void remark_vanishing(double largest_residual, DesignRun& run);
 
 /// Certificate and remarks, from everything else.
-void certify_design(DesignRun& run, bool eigen_converged, double largest_residual);
+void certify_design(const Connection& solved, bool eigen_converged, double largest_residual, DesignRun& run);
 
 }  // namespace alcap::detail

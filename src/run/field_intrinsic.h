@@ -9,16 +9,10 @@
 
 namespace alcap::detail {
 
-/// Whether it is. Throws OptionError where it is asked for and cannot be.
-[[nodiscard]] bool wants_intrinsic(const Surface& surface, const FieldRunOptions& options);
-
 /// Triangulation, connections, field, eigenvalues, features; their times but those of the connections, which are
 /// returned, in seconds. Nothing, and nothing done, where lengths are too far apart for a triangulation that was not
 /// asked for by name.
 [[nodiscard]] std::optional<double> solve_on_intrinsic(const FieldRunOptions& options, const Surface& surface,
                                                        FieldRun& run);
-
-/// What is worth saying about it, when indices and singularities are known.
-void remark_triangulation(FieldRun& run);
 
 }  // namespace alcap::detail

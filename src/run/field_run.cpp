@@ -15,6 +15,7 @@
 #include "src/mesh/near_vertices.h"
 #include "src/run/field_aligned.h"
 #include "src/run/field_intrinsic.h"
+#include "src/run/intrinsic_solve.h"
 #include "src/run/remarks.h"
 
 namespace alcap {
@@ -160,7 +161,8 @@ void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vect
 }
 
 void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
-  if (run.connection().flat && !run.connection().admits_parallel(options.n))
+  if (run.triangulation ? !run.triangulation->parallel
+                        : run.connection().flat && !run.connection().admits_parallel(options.n))
     remarks.push_back(detail::not_parallel(options.n));
   const ConnectionReport& connection = run.triangulation ? run.triangulation->connection : run.connection().report;
   if (!connection.converged) {
@@ -262,8 +264,9 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.times.mesh = watch.lap();
 
   say(options, "connection");
-  const std::optional<double> connecting =
-      detail::wants_intrinsic(surface, options) ? detail::solve_on_intrinsic(options, surface, run) : std::nullopt;
+  const std::optional<double> connecting = detail::wants_intrinsic(surface, options.triangulation, options.connection)
+                                               ? detail::solve_on_intrinsic(options, surface, run)
+                                               : std::nullopt;
   if (connecting)
     run.times.connection = *connecting;
   else
@@ -277,7 +280,7 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.singularities = find_singularities(run.surface, run.field, run.indices);
   run.certificate = certify(run, options);
   if (run.features) detail::judge_aligned(options, run);
-  if (run.triangulation) detail::remark_triangulation(run);
+  if (run.triangulation) detail::remark_triangulation(*run.triangulation, run.singularities.size(), run.remarks);
   remark_outcome(run, options, run.remarks);
   if (options.normalise) run.field = normalised(std::move(run.field));
   run.times.analysis = frames + watch.lap();

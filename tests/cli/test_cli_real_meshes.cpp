@@ -42,9 +42,25 @@ TEST_CASE("needles: solved on better triangles, and what the report says of them
   CHECK(along["alignment"]["all"]["mean_degrees"].get<double>() < 1);
   CHECK(folder.run("field shaft.ply --triangulation better").exit == 2);
   CHECK(folder.run("field shaft.ply --min-angle 31").exit == 2);
-  const CliResult cones = folder.run("field shaft.ply --triangulation intrinsic --cone 0:1 --cone 200:1");
-  CHECK(cones.exit == 2);
-  CHECK(cones.error_says("--triangulation"));
+  const Json cones = folder.run("field shaft.ply --cone 0:1 --cone 200:1 --json").json();
+  CHECK(cones["triangulation"]["connection"]["kind"] == "trivial");
+  CHECK(cones["triangulation"]["connection"]["cones"].size() == 2);
+  CHECK(cones["singularities"]["index_sum"] == 8);
+}
+
+TEST_CASE("a design on a shaft of needles, solved on better triangles") {
+  const CliFolder folder;
+  folder.write("shaft.ply", cad_like(100, 1));
+  const char* const design = "design shaft.ply -n 4 --fix 3:0,0,1 --guidance smoothest:0.1";
+  const Json r = folder.run(std::string(design) + " --json").json();
+  CHECK(r["met"] == true);
+  CHECK(r["certified"] == true);
+  CHECK(r["triangulation"]["after"]["angle_min_degrees"].get<double>() >= 19.99);
+  CHECK(r["triangulation"]["connection"]["kind"] == "global");
+  CHECK(r["connection"]["kind"] == "local");
+  CHECK(r["singularities"]["index_sum"] == 8);
+  CHECK(folder.run(design).out.find("triangles     solved on intrinsic ones") != std::string::npos);
+  CHECK_FALSE(folder.run(std::string(design) + " --triangulation extrinsic --json").json().contains("triangulation"));
 }
 
 TEST_CASE("faces without area: refused, or mollified on request") {

@@ -147,15 +147,85 @@ TEST_CASE("a part with needles is followed along its creases") {
   CHECK(run.features->graph.vertices.size() == static_cast<std::size_t>(shaft.V.rows()));
 }
 
-TEST_CASE("good meshes and connections with cones stay on the mesh") {
+TEST_CASE("good meshes stay as they are") {
   CHECK_FALSE(solved(icosphere(3), Triangulation::automatic).triangulation);
+  CHECK_THROWS_AS((void)solved(cad_like(40, 2), Triangulation::intrinsic, 1), OptionError);
+}
+
+TEST_CASE("cones are where they were: the parallel field of the clean mesh, in spite of slivers") {
+  const MeshData clean = bumpy_sphere(4, 0.2, 3);
+  std::vector<Cone> cones;
+  for (Index v = 0; v < 8; ++v) cones.push_back({v, 0.25});
+  for (const ConnectionKind kind : {ConnectionKind::trivial, ConnectionKind::metric}) {
+    CAPTURE(name(kind));
+    const FieldRunOptions options{.n = 4, .connection = {.kind = kind, .cones = cones}};
+    const FieldRun without = run_field(clean.V, clean.F, options);
+    const MeshData bad = test::with_slivers(clean, 37, 1e-5);
+    const FieldRun with = run_field(bad.V, bad.F, options);
+    REQUIRE(with.triangulation);
+    CHECK(with.certificate.holds());
+    CHECK(with.triangulation->cones.size() == 8);
+    CHECK(with.triangulation->parallel);
+    CHECK(agreement(without, with) > 0.99);
+    CHECK(with.eigen[0].lambda == doctest::Approx(without.eigen[0].lambda).epsilon(0.1));
+    CHECK(with.index_sums[0].sum == 8);
+    // One zero at each cone, in a face around it or next to one: the mesh's slivers are a part of these.
+    CHECK(with.triangulation->singularities == 8);
+    CHECK(with.singularities.size() == 8);
+  }
+}
+
+TEST_CASE("cones that balance are put at vertices of the mesh; loops keep their indices") {
   const MeshData shaft = cad_like(40, 2);
-  ConnectionOptions cones{.kind = ConnectionKind::trivial, .cones = {{0, 1}, {60, 1}}};
-  CHECK_FALSE(run_field(shaft.V, shaft.F, {.n = 4, .connection = cones}).triangulation);
-  CHECK_THROWS_AS(
-      (void)run_field(shaft.V, shaft.F, {.n = 4, .connection = cones, .triangulation = Triangulation::intrinsic}),
-      OptionError);
-  CHECK_THROWS_AS((void)solved(shaft, Triangulation::intrinsic, 1), OptionError);
+  const FieldRun balanced = run_field(shaft.V, shaft.F,
+                                      {.n = 4,
+                                       .connection = {.kind = ConnectionKind::trivial, .balance_cones = true},
+                                       .triangulation = Triangulation::intrinsic});
+  REQUIRE(balanced.triangulation);
+  double sum = 0;
+  for (const Cone& c : balanced.triangulation->cones) {
+    CHECK(c.vertex < balanced.mesh().vertices());
+    sum += c.index;
+  }
+  CHECK(sum == doctest::Approx(2));
+  CHECK(balanced.index_sums[0].sum == 8);
+  const MeshData clean = cylinder(24, 12, 1, 2), tube = test::with_slivers(clean, 5, 1e-4);
+  const FieldRun turned = run_field(tube.V, tube.F,
+                                    {.n = 4,
+                                     .connection = {.kind = ConnectionKind::trivial, .loop_index = {0.25, -0.25}},
+                                     .triangulation = Triangulation::intrinsic});
+  REQUIRE(turned.triangulation);
+  REQUIRE(turned.triangulation->loop_index.size() == 2);
+  const FieldRun given = run_field(clean.V, clean.F,
+                                   {.n = 4,
+                                    .connection = {.kind = ConnectionKind::trivial, .loop_index = {0.25, -0.25}},
+                                    .triangulation = Triangulation::extrinsic});
+  CHECK(agreement(given, turned) > 0.98);
+}
+
+TEST_CASE("what belongs to the mesh's own triangles is refused by its name, or solved on them") {
+  const MeshData mesh = test::with_slivers(torus(24, 12, 1, 0.4), 9, 1e-4);
+  ConnectionOptions holonomies{.kind = ConnectionKind::trivial, .generator_holonomy = {0.25, 0}};
+  ConnectionOptions target{.kind = ConnectionKind::metric};
+  target.target.face_curvature = VectorX<double>::Zero(mesh.F.rows());
+  for (const ConnectionOptions& connection : {holonomies, target}) {
+    FieldRunOptions options{.n = 4, .connection = connection, .triangulation = Triangulation::intrinsic};
+    try {
+      (void)run_field(mesh.V, mesh.F, options);
+      FAIL("not refused");
+    } catch (const OptionError& e) {
+      CHECK(e.field() == "triangulation");
+    }
+    options.triangulation = Triangulation::automatic;
+    CHECK_FALSE(run_field(mesh.V, mesh.F, options).triangulation);
+  }
+  // Curvature per vertex carries over.
+  ConnectionOptions flat{.kind = ConnectionKind::metric};
+  flat.target.vertex_curvature = VectorX<double>::Zero(mesh.V.rows());
+  const FieldRun run = run_field(mesh.V, mesh.F, {.n = 4, .connection = flat});
+  REQUIRE(run.triangulation);
+  CHECK(run.certificate.holds());
+  CHECK(run.index_sums[0].sum == 0);
 }
 
 TEST_CASE("modes are handed back at the vertices of the mesh; threads do not matter") {

@@ -43,6 +43,7 @@ struct DesignOptionsGiven {
   FilesChoice files = {};
   ShowOptions show = {};
   std::string solver = "auto";
+  DesignRunOptions run = {};  // its triangulation
   bool unit = false;
   bool explain = false;
 };
@@ -92,10 +93,11 @@ std::string phase_text(std::string_view phase) {
 
 DesignRun solve(const DesignOptionsGiven& options, const Inputs& in, Progress& progress) {
   try {
-    return run_design(in.surface, in.design,
-                      {.solver = options.solver, .normalise = options.unit, .progress = [&](std::string_view phase) {
-                         progress.phase(phase_text(phase));
-                       }});
+    DesignRunOptions how = options.run;
+    how.solver = options.solver;
+    how.normalise = options.unit;
+    how.progress = [&](std::string_view phase) { progress.phase(phase_text(phase)); };
+    return run_design(in.surface, in.design, how);
   } catch (const OptionError& e) {
     // It is the mesh that has no such field.
     if (e.field() == "/guidance/field") throw Failure(Exit::input, e.what());
@@ -180,6 +182,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->capture_default_str()
       ->check(cli::IsMember(names))
       ->group("Solver");
+  add_triangulation_options(app, options->run.triangulation, options->run.min_angle);
   return [options](const Common& common, Progress& progress) { return run(*options, common, progress); };
 }
 

@@ -340,24 +340,6 @@ void add_alignment_options(cli::App& app, FieldOptions& options) {
       ->group("Alignment");
 }
 
-void add_triangulation_options(cli::App& app, FieldRunOptions& run) {
-  app.add_option_function<std::string>(
-         "--triangulation", [&run](const std::string& name) { run.triangulation = *from_name<Triangulation>(name); },
-         "Which triangles it is solved on: those of the mesh (extrinsic), better ones of the same surface (intrinsic), "
-         "or the better ones where one face in a hundred has a corner below 1 degree (auto)")
-      ->type_name("KIND")
-      ->default_str("auto")
-      ->check(cli::IsMember({"auto", "intrinsic", "extrinsic"}))
-      ->group("Solver");
-  app.add_option_function<double>(
-         "--min-angle", [&run](double degrees) { run.min_angle = degrees * pi<double> / 180; },
-         "Corners of the better triangles, at least, in degrees; 0 adds no vertices to them")
-      ->type_name("DEGREES")
-      ->default_str("20")
-      ->check(cli::Range(0.0, 30.0))
-      ->group("Solver");
-}
-
 std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   auto options = std::make_shared<FieldOptions>();
   app.footer(footer);
@@ -381,7 +363,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_connection_options(app, options->run.connection);
   add_eigen_options(app, options->run.eigen);
   add_alignment_options(app, *options);
-  add_triangulation_options(app, options->run);
+  add_triangulation_options(app, options->run.triangulation, options->run.min_angle);
   add_show_options(app, options->show);
   add_sizing_options(app, options->sizing);
   app.add_option(

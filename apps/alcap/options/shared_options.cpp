@@ -102,6 +102,24 @@ void add_lengths_option(cli::App& app, MeshChoice& choice) {
       ->group("Mesh");
 }
 
+void add_triangulation_options(cli::App& app, Triangulation& triangulation, double& min_angle) {
+  app.add_option_function<std::string>(
+         "--triangulation", [&](const std::string& name) { triangulation = *from_name<Triangulation>(name); },
+         "Which triangles it is solved on: those of the mesh (extrinsic), better ones of the same surface (intrinsic), "
+         "or the better ones where one face in a hundred has a corner below 1 degree (auto)")
+      ->type_name("KIND")
+      ->default_str("auto")
+      ->check(cli::IsMember({"auto", "intrinsic", "extrinsic"}))
+      ->group("Solver");
+  app.add_option_function<double>(
+         "--min-angle", [&](double degrees) { min_angle = degrees * pi<double> / 180; },
+         "Corners of the better triangles, at least, in degrees; 0 adds no vertices to them")
+      ->type_name("DEGREES")
+      ->default_str("20")
+      ->check(cli::Range(0.0, 30.0))
+      ->group("Solver");
+}
+
 MeshFile read_choice(const MeshChoice& choice) {
   using Polygons = ReadOptions::Polygons;
   return read_mesh(choice.path, {.polygons = choice.refuse_polygons ? Polygons::refuse : Polygons::triangulate,

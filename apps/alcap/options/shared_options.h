@@ -26,6 +26,9 @@ struct MeshChoice {
 /// Adds --lengths, for commands that call make_surface().
 void add_lengths_option(cli::App& app, MeshChoice& choice);
 
+/// Adds --triangulation and --min-angle, which goes to `min_angle` in radians.
+void add_triangulation_options(cli::App& app, Triangulation& triangulation, double& min_angle);
+
 /// Adds MESH (positional), --repair, --input-format and --refuse-polygons.
 void add_mesh_options(cli::App& app, MeshChoice& choice);
 

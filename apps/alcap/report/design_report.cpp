@@ -187,7 +187,11 @@ Json design_report(const Json& input, const DesignFile& asked, const DesignRun& 
   report["input"] = input;
   report["design"] = design_json(asked);
   report["mesh"] = mesh_json(run.surface);
-  report["connection"] = connection_json(run.surface, connection_options(run.design));
+  const ConnectionOptions asked_connection = connection_options(run.design);
+  ConnectionOptions connection = asked_connection;
+  if (run.triangulation) connection.kind = run.connection().kind;
+  report["connection"] = connection_json(run.surface, connection);
+  if (run.triangulation) report["triangulation"] = triangulation_json(*run.triangulation, asked_connection);
   report["guidance"] = guidance_json(run);
   report["solve"] = solve_json(run);
   report["controls"] = controls_json(run);
@@ -297,6 +301,7 @@ std::string design_summary(const Json& report) {
                    solve["method"].get<std::string>(), report["connection"]["kind"].get<std::string>(),
                    report["guidance"]["field"].get<std::string>(), solve["rows"].get<int>(),
                    short_text(solve["residual"])));
+  if (report.contains("triangulation")) text += triangulation_summary(report["triangulation"]);
   for (const Json& c : report["controls"])
     line(c["met"].get<bool>() ? "met" : "NOT MET",
          fmt::format("{}: {}, off by {} degrees", c["path"].get<std::string>(), control_text(c),

@@ -189,27 +189,6 @@ Json quality_json(const TriangleQuality& quality) {
           {"slivers", quality.slivers}};
 }
 
-/// The triangles that it was solved on, where they are not those of the mesh.
-Json triangulation_json(const SolvedTriangulation& t, const ConnectionOptions& options) {
-  return {{"before", quality_json(t.before)},
-          {"after", quality_json(t.after)},
-          {"flips", t.flips},
-          {"added_vertices", t.added},
-          {"faces", t.faces},
-          {"barred", t.barred},
-          {"complete", t.complete},
-          {"singularities", t.singularities},
-          {"seconds", number(t.seconds)},
-          {"connection",
-           {{"kind", name(ConnectionChoice{options.kind, options.polar.center})},
-            {"D_T", number(t.connection.D_T)},
-            {"D_E", number(t.connection.D_E)},
-            {"iterations", t.connection.iterations},
-            {"residual", number(t.connection.residual)},
-            {"converged", t.connection.converged},
-            {"message", in_flags(t.connection.message)}}}};
-}
-
 Json components_json(const FieldRun& run) {
   const auto& parts = run.topology().components;
   std::vector<double> area(parts.size(), 0.0);
@@ -389,6 +368,31 @@ Json mesh_json(const Surface& surface) {
           {"edge_length_max", number(length.most)},
           {"angle_min_degrees", number(angle.least * 180 / pi<double>)},
           {"angle_max_degrees", number(angle.most * 180 / pi<double>)}};
+}
+
+Json triangulation_json(const SolvedTriangulation& t, const ConnectionOptions& options) {
+  Json cones = Json::array();
+  for (const Cone& c : t.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
+  return {{"before", quality_json(t.before)},
+          {"after", quality_json(t.after)},
+          {"flips", t.flips},
+          {"added_vertices", t.added},
+          {"faces", t.faces},
+          {"barred", t.barred},
+          {"complete", t.complete},
+          {"singularities", t.singularities},
+          {"seconds", number(t.seconds)},
+          {"connection",
+           {{"kind", name(ConnectionChoice{options.kind, options.polar.center})},
+            {"cones", cones},
+            {"generator_holonomy", numbers(t.generator_holonomy)},
+            {"loop_index", numbers(t.loop_index)},
+            {"D_T", number(t.connection.D_T)},
+            {"D_E", number(t.connection.D_E)},
+            {"iterations", t.connection.iterations},
+            {"residual", number(t.connection.residual)},
+            {"converged", t.connection.converged},
+            {"message", in_flags(t.connection.message)}}}};
 }
 
 Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& options) {

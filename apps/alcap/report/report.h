@@ -35,6 +35,8 @@ inline constexpr int report_version = 1;
 
 [[nodiscard]] Json input_json(const std::filesystem::path& path, const MeshFile& file);
 [[nodiscard]] Json mesh_json(const Surface& surface);
+/// The triangles that a run was solved on, and the connection that was asked for, which is made there.
+[[nodiscard]] Json triangulation_json(const SolvedTriangulation& t, const ConnectionOptions& options);
 [[nodiscard]] Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& options);
 [[nodiscard]] Json remarks_json(const std::vector<Remark>& remarks, bool warnings);
 /// What was found: counts, sums and the list. `n` is the field's.

@@ -38,7 +38,9 @@ const std::string& StudioResult::part(StudioPart which, const RunControl& contro
   return parts_[k];
 }
 
-StudioSolver::StudioSolver(const Surface& surface) : session_(surface) {}
+StudioSolver::StudioSolver(const Surface& surface)
+    :  // What the page shows of a connection is that of the mesh.
+      session_(surface, {.triangulation = Triangulation::extrinsic}) {}
 
 namespace {
 

@@ -138,6 +138,9 @@ ControlLoad ControlLoads::along_line(const Stroke& stroke) const {
 ControlLoad ControlLoads::along_points(const Stroke& stroke) const {
   if (stroke.points.size() < 2)
     throw OptionError("points", std::to_string(stroke.points.size()) + " points", "a stroke has at least two");
+  if (V.rows() == 0)
+    throw OptionError("points", std::to_string(stroke.points.size()) + " points",
+                      "need a surface that lies in space; give a line");
   const double scale = stroke_weight(stroke.weight);
   std::vector<Eigen::RowVector3d> at;
   for (const SurfacePoint& p : stroke.points) {
@@ -184,14 +187,16 @@ ControlLoad ControlLoads::footprint(const Stroke& stroke) const {
   std::priority_queue<Reach, std::vector<Reach>, std::greater<>> open;
   for (const SurfaceSegment& segment : stroke.line.segments) {
     const std::array<double, 3> middle = segment.at(0.5);
-    Eigen::RowVector3d x = Eigen::RowVector3d::Zero();
-    for (Index c = 0; c < 3; ++c) x += middle[static_cast<std::size_t>(c)] * V.row(mesh.F()(segment.face, c));
+    // Of the face in its frame.
+    const C place[3] = {0, geometry.length(mesh.edge(3 * segment.face)),
+                        std::polar(geometry.length(mesh.edge(3 * segment.face + 2)), geometry.angle(3 * segment.face))};
+    const C x = middle[1] * place[1] + middle[2] * place[2];
     for (Index c = 0; c < 3; ++c) {
       std::array<double, 3> corner{};
       corner[static_cast<std::size_t>(c)] = 1;
       const C to_face = point_row({segment.face, corner}).coefficient[static_cast<std::size_t>(c)];
       const Index v = mesh.F()(segment.face, c);
-      open.push({(V.row(v) - x).norm(), v, std::polar(1.0, n * std::arg(segment.tangent)) * std::conj(to_face)});
+      open.push({std::abs(place[c] - x), v, std::polar(1.0, n * std::arg(segment.tangent)) * std::conj(to_face)});
     }
   }
   ControlLoad out;

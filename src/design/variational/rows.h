@@ -54,7 +54,7 @@ struct ControlLoad {
 /// Turns controls into loads and rows. Keeps references. Every overload throws OptionError naming what is wrong.
 struct ControlLoads {
   const Mesh& mesh;
-  const Positions<double>& V;
+  const Positions<double>& V;  // empty where the surface lies in no space
   const Geometry& geometry;
   const Connection& connection;
   const FirstOrderOperators& operators;

@@ -36,7 +36,7 @@ Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& 
       connection(surface.connection()),
       options(options_),
       pattern(mesh),
-      loads({mesh, surface.positions(), geometry, connection, operators, options.n}) {
+      loads({mesh, surface.V(), geometry, connection, operators, options.n}) {
   validate();
   tell("assembly");
   StiffnessMass matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
@@ -48,7 +48,7 @@ Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& 
   for (Index v = 0; v < mesh.vertices(); ++v)
     if (!mesh.referenced(v)) S2.valuePtr()[pattern.diagonal(v)] = 1;  // stays zero
   operators = first_order_operators(mesh, geometry, connection, {.n = options.n, .kind = options.kind});
-  frames = surface.frames();
+  if (surface.in_space()) frames = surface.frames();
   guidance = ComplexVectorX<double>::Zero(mesh.vertices());
   solver = make_linear_solver<C>({.name = options.solver, .right_hand_sides = all_right_hand_sides()});
   solver->set_transport(M);
