@@ -76,3 +76,44 @@ test('alcap view makes the same page from the files', async () => {
   assert.ok((await darkPixels(again)) > 2000);
   assert.deepEqual(again.complaints, []);
 });
+
+test('the coarse surface that is drawn while a large one turns has the outline and the shading of the full one', async () => {
+  alcap('make', 'icosphere:7', '-o', join(place, 'fine.ply'), '-q');
+  alcap('field', join(place, 'fine.ply'), '-n', '1', '-o', `${place}/fine`, '--html', join(place, 'fine.html'), '-q');
+  const fine = await open(browser, pathToFileURL(join(place, 'fine.html')).href, { offline: true });
+  await fine.focus('#canvas');
+  await fine.keyboard.press('3');  // the surface alone
+  await fine.keyboard.press('s');
+  const [made, full, coarse] = await fine.evaluate(async () => {
+    const { surface } = alcap.view, { stage } = alcap;
+    /** Brightness of every pixel of the canvas. */
+    const picture = async () => {
+      await stage.drawn();
+      const copy = document.createElement('canvas');
+      [copy.width, copy.height] = [stage.canvas.width, stage.canvas.height];
+      const context = copy.getContext('2d');
+      context.drawImage(stage.canvas, 0, 0);
+      const { data } = context.getImageData(0, 0, copy.width, copy.height);
+      return Array.from({ length: data.length / 4 }, (_, k) => data[4 * k] + data[4 * k + 1] + data[4 * k + 2]);
+    };
+    const whole = await picture();
+    stage.hasty = true;
+    const roughly = await picture(), P = surface.object.geometry.attributes.position.array;
+    let [least, most] = [Infinity, 0];
+    for (let k = 0; k < P.length; k += 3) {
+      const radius = Math.hypot(P[k], P[k + 1], P[k + 2]);
+      [least, most] = [Math.min(least, radius), Math.max(most, radius)];
+    }
+    const made = { faces: P.length / 9, of: surface.faces.length / 3, least, most, reach: surface.reach };
+    return [made, whole, roughly];
+  });
+  assert.ok(made.faces > 500 && made.faces < made.of / 4, JSON.stringify(made));
+  // Vertices of the sphere: none has left it.
+  assert.ok(made.least > 0.97 * made.reach && made.most < 1.001 * made.reach, JSON.stringify(made));
+  const ground = full[0];
+  const on = (pixels) => pixels.filter((x) => Math.abs(x - ground) > 20).length;
+  assert.ok(Math.abs(on(coarse) - on(full)) < 0.02 * on(full), `${on(coarse)} of ${on(full)} pixels`);
+  const off = full.reduce((sum, x, k) => sum + Math.abs(x - coarse[k]), 0) / on(full);
+  assert.ok(off > 0 && off < 12, `${off} of 765 on average`);
+  await fine.close();
+});
