@@ -86,6 +86,9 @@ test('the keyboard alone draws a stroke, erases a part of it, and drops one that
   // It is the chosen one: its beads are there, and the Delete key would take it.
   assert.equal(await page.evaluate(() => alcap.stroked), 0);
   assert.ok((await page.locator('.bead').count()) >= 2);
+  // Its numbers end inside its row.
+  const [row, number] = await page.evaluate(() => ['.controls li.chosen', '.numbers output'].map((what) => document.querySelector(what).getBoundingClientRect().right));
+  assert.ok(number <= row - 8, `${number} of ${row}`);
   // One that is begun and dropped leaves nothing.
   await pressed('Enter');
   for (let k = 0; k < 3; ++k) await pressed('ArrowDown');
