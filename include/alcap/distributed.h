@@ -37,12 +37,16 @@ namespace alcap {
 /// Calls body on rank 0 while the others wait; what it throws, all throw.
 void on_first_rank(const std::function<void()>& body);
 
+/// Calls body on every rank, each for itself, such as to read a small file; what one throws, all throw.
+void on_every_rank(const std::function<void()>& body);
+
 /// Ends all ranks at once with an exit code, for failures that only this rank knows of.
 [[noreturn]] void distributed_abort(int exit_code);
 
 /// What a phase took, over the ranks.
 struct PhaseCost {
-  std::string name;        ///< "read", "partition", "geometry", "connection", "assembly", "solve", "analysis", "write"
+  std::string
+      name;  ///< "read", "partition", "geometry", "connection", "assembly", "guidance", "solve", "analysis", "write"
   double seconds[3]{};     ///< least, mean and most wall clock of a rank
   double bytes_sent[3]{};  ///< by a rank to others: least, mean, most; without collective sums and MPI-IO
   double messages[3]{};    ///< sent by a rank: least, mean, most

@@ -8,9 +8,10 @@
 namespace alcap::detail::distributed {
 
 /// Values at owned vertices, |u|_M = 1 and the phase of EigenResult::u on every component, zero where no face is; the
-/// components' reports.
+/// components' reports. Of components whose `wanted` is 0, if it is not empty, neither.
 [[nodiscard]] ComplexVectorX<double> solve_components(const Patch& patch, const Matrices& matrices,
-                                                      Components& components, const DistributedOptions& options);
+                                                      Components& components, const DistributedOptions& options,
+                                                      const std::vector<char>& wanted = {});
 
 /// One eigenproblem over all ranks, by block LOBPCG. `numbers`: the users' of this rank's rows; `u`: their values.
 [[nodiscard]] EigenReport smallest_together(const petsc::OwnedMat& S, const petsc::OwnedMat& M, double area,

@@ -146,6 +146,23 @@ petsc::OwnedMat smoother_of_prolongation(Mat A, const LocalRows& rows, const Gui
   return B;
 }
 
+/// L U of the whole matrix on every rank, PETSc's own on one rank as well: for a parallel matrix there PCREDUNDANT
+/// takes MUMPS, which never returns from solves with systems that are singular up to rounding.
+void factorise_on_every_rank(KSP ksp, PC pc) {
+  if (ranks() > 1) {
+    check(PCSetType(pc, PCREDUNDANT));
+    return;
+  }
+  KSP* blocks = nullptr;
+  PC block = nullptr;
+  check(PCSetType(pc, PCBJACOBI));
+  check(KSPSetUp(ksp));
+  check(PCBJacobiGetSubKSP(pc, nullptr, nullptr, &blocks));
+  check(KSPSetType(blocks[0], KSPPREONLY));
+  check(KSPGetPC(blocks[0], &block));
+  check(PCSetType(block, PCLU));
+}
+
 }  // namespace
 
 Multigrid::Multigrid(petsc::OwnedMat A, Mat transport) {
@@ -193,7 +210,7 @@ void Multigrid::configure(PC pc) const {
     check(KSPGetPC(ksp, &inner));
     if (l == 0) {
       check(KSPSetType(ksp, KSPPREONLY));
-      check(PCSetType(inner, PCREDUNDANT));
+      factorise_on_every_rank(ksp, inner);
       continue;
     }
     check(KSPSetType(ksp, KSPCHEBYSHEV));

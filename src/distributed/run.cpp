@@ -4,14 +4,10 @@
 #include <cstdlib>
 #include <memory>
 
-#include "alcap/frames.h"
 #include "src/base/array.h"
-#include "src/base/numbers.h"
-#include "src/distributed/analysis.h"
-#include "src/distributed/connect.h"
 #include "src/distributed/eigen.h"
-#include "src/distributed/meter.h"
 #include "src/distributed/parallel_file.h"
+#include "src/distributed/stages.h"
 #include "src/io/field/ply_rows.h"
 
 namespace alcap {
@@ -24,86 +20,23 @@ void check_options(const MeshSlice& mesh, const DistributedOptions& o) {
   if (!(o.tolerance > 0) || o.tolerance >= 1) throw OptionError("tolerance", o.tolerance, "must lie in (0, 1)");
   if (o.max_iterations < 1) throw OptionError("max_iterations", o.max_iterations, "must be at least 1");
   if (o.gather_below < 100) throw OptionError("gather_below", o.gather_below, "must be at least 100");
-  const auto size = [](std::int64_t count, int r) {
-    return slice_begin(count, r + 1, ranks()) - slice_begin(count, r, ranks());
-  };
-  if (mesh.V.rows() != size(mesh.vertices, rank()) || mesh.F.rows() != size(mesh.faces, rank()))
-    throw OptionError("mesh",
-                      std::to_string(mesh.V.rows()) + " vertices and " + std::to_string(mesh.F.rows()) + " faces",
-                      "a rank's slice has those from slice_begin(count, rank, ranks) on");
-}
-
-void spread_counts(std::int64_t value, std::int64_t (&out)[3]) {
-  double all[3];
-  spread(static_cast<double>(value), all);
-  for (int k = 0; k < 3; ++k) out[k] = rounded<std::int64_t>(all[k]).value_or(0);
-}
-
-/// Values at owned vertices to this rank's slice of the users' numbering.
-void bring_home(const Patch& patch, const Frames& frames, const ComplexVectorX<double>& u, Eigen::Index rows,
-                DistributedField& out) {
-  std::vector<std::array<double, 8>> mine(at(patch.owned)), here(at(rows));
-  for (Index v = 0; v < patch.owned; ++v) {
-    auto& row = mine[at(v)];
-    row = {};
-    for (int c = 0; c < 3 && !patch.empty(); ++c) {
-      row[at(c)] = frames.X(v, c);
-      row[at(3 + c)] = frames.N(v, c);
-    }
-    row[6] = u[v].real();
-    row[7] = u[v].imag();
-  }
-  patch.home.reduce(mine.data(), here.data(), MPI_REPLACE);
-  out.u.resize(rows);
-  out.frames = {Positions<double>(rows, 3), Positions<double>(rows, 3)};
-  for (Eigen::Index v = 0; v < rows; ++v) {
-    const auto& row = here[at(v)];
-    for (int c = 0; c < 3; ++c) {
-      out.frames.X(v, c) = row[at(c)];
-      out.frames.N(v, c) = row[at(3 + c)];
-    }
-    out.u[v] = {row[6], row[7]};
-  }
+  check_slice_size(mesh);
 }
 
 void compute(const MeshSlice& mesh, const DistributedOptions& options, DistributedField& out) {
   Meter meter;
-  Partitioned part = make_patch(mesh, options.partition);
-  Patch& patch = part.patch;
-  out.partition = part.method;
-  out.cut_edges = part.cut_edges;
-  spread_counts(patch.owned, out.owned);
-  spread_counts(count_of(patch.vertex), out.held);
-  meter.done("partition", out.phases);
+  Stage stage = divide(mesh, options.partition, meter, out);
+  connect(stage, options, meter, out);
 
-  measure(patch);
-  Components components = find_components(patch);
-  meter.done("geometry", out.phases);
-
-  const Connection connection = connect(patch, components, options);
-  out.kind = connection.kind;
-  out.center = connection.center;
-  out.global = connection.options;
-  out.connection = connection.report;
-  meter.done("connection", out.phases);
-
-  Matrices matrices = assemble(patch, connection, options.n, options.s);
+  Matrices matrices = assemble(stage.patch, stage.connection, options.n, options.s);
   meter.done("assembly", out.phases);
 
-  const ComplexVectorX<double> u = solve_components(patch, matrices, components, options);
+  const ComplexVectorX<double> u = solve_components(stage.patch, matrices, stage.components, options);
   matrices = {};
   meter.done("solve", out.phases);
 
-  Field field{options.n, ComplexVectorX<double>::Zero(count_of(patch.vertex)), nullptr};
-  field.u.head(patch.owned) = u;
-  patch.extend(field.u.data());
-  out.singularities = analyse(patch, connection, field, components);
-  Frames frames;
-  agreed([&] {
-    if (!patch.empty()) frames = vertex_frames(patch.mesh, patch.V, patch.geometry, connection);
-  });
-  bring_home(patch, frames, u, mesh.V.rows(), out);
-  out.components = std::move(components.list);
+  const Field field = extended(stage.patch, options.n, u);
+  conclude(stage, frames_of(stage), field, mesh.V.rows(), out);
   meter.done("analysis", out.phases);
 }
 
@@ -140,6 +73,11 @@ void on_first_rank(const std::function<void()>& body) {
   detail::distributed::agreed([&] {
     if (detail::distributed::rank() == 0) body();
   });
+}
+
+void on_every_rank(const std::function<void()>& body) {
+  const detail::petsc::Session session;
+  detail::distributed::agreed(body);
 }
 
 void distributed_abort(int exit_code) {

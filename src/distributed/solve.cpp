@@ -72,11 +72,11 @@ struct TakenRow {
 
 /// The small components' rows, each component at one rank: dealt out so that all get as many rows.
 std::vector<TakenRow> take_rows(const Patch& patch, const Components& components, const petsc::OwnedMat& A,
-                                Index small) {
+                                const std::vector<char>& small) {
   std::vector<std::int64_t> load(at(ranks()), 0);
   std::vector<int> taker(components.list.size(), -1);
   for (std::size_t k = 0; k < taker.size(); ++k) {
-    if (components.list[k].vertices > small) continue;
+    if (small[k] == 0) continue;
     taker[k] = static_cast<int>(std::ranges::min_element(load) - load.begin());
     load[at(taker[k])] += components.list[k].vertices;
   }
@@ -140,11 +140,9 @@ std::vector<PlainReport> solve_taken(const std::vector<TakenRow>& taken, Mat S, 
 }
 
 void solve_small(const Patch& patch, const Matrices& matrices, Components& components,
-                 const DistributedOptions& options, ComplexVectorX<double>& u) {
-  const bool there =
-      std::ranges::any_of(components.list, [&](const auto& c) { return c.vertices <= options.gather_below; });
-  if (!there) return;
-  const std::vector<TakenRow> taken = take_rows(patch, components, matrices.S, options.gather_below);
+                 const DistributedOptions& options, const std::vector<char>& small, ComplexVectorX<double>& u) {
+  if (std::ranges::find(small, char{1}) == small.end()) return;
+  const std::vector<TakenRow> taken = take_rows(patch, components, matrices.S, small);
   const std::vector<PetscInt> rows = row_numbers(taken);
   const petsc::OwnedMat S = principal_part(matrices.S, rows), M = principal_part(matrices.M, rows);
   std::vector<C> values;
@@ -201,11 +199,14 @@ void solve_large(const Patch& patch, const Matrices& matrices, Components& compo
 }  // namespace
 
 ComplexVectorX<double> solve_components(const Patch& patch, const Matrices& matrices, Components& components,
-                                        const DistributedOptions& options) {
+                                        const DistributedOptions& options, const std::vector<char>& wanted) {
   ComplexVectorX<double> u = ComplexVectorX<double>::Zero(patch.owned);
-  solve_small(patch, matrices, components, options, u);
-  for (std::size_t k = 0; k < components.list.size(); ++k)
-    if (components.list[k].vertices > options.gather_below) solve_large(patch, matrices, components, k, options, u);
+  std::vector<char> small(components.list.size(), 0), large = small;
+  for (std::size_t k = 0; k < small.size(); ++k)
+    if (wanted.empty() || wanted[k] != 0) (components.list[k].vertices <= options.gather_below ? small : large)[k] = 1;
+  solve_small(patch, matrices, components, options, small, u);
+  for (std::size_t k = 0; k < large.size(); ++k)
+    if (large[k] != 0) solve_large(patch, matrices, components, k, options, u);
   return u;
 }
 

@@ -29,6 +29,7 @@ namespace alcap::detail::distributed {
 [[nodiscard]] std::int64_t sum_before(std::int64_t value);
 void sum_all(std::span<double> values);
 void sum_all(std::span<std::int64_t> values);
+void largest_all(std::span<double> values);
 /// Rank 0's values for all: what ranks compute alike may differ in its last bits between machines.
 void share_from_first(std::span<double> values);
 /// Least, mean and most of the ranks' values.

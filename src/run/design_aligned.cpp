@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "alcap/aligned.h"
-#include "src/base/array.h"
 #include "src/base/clock.h"
 #include "src/base/numbers.h"
 #include "src/run/design_stages.h"
@@ -22,27 +21,18 @@ double direction_error(const VertexConstraint& fixed, const Field& field) {
 }
 
 void remark_free_pieces(const AlignedResult& result, DesignRun& run) {
-  Remark remark{.code = "pieces_without_control", .warning = false};
-  for (std::size_t c = 0; c < result.pieces.size(); ++c) {
-    if (!result.pieces[c].eigen) continue;
-    if (remark.count++ < 8) remark.first.push_back(static_cast<Index>(c));
-  }
-  if (remark.count == 0) return;
-  remark.message = counted(remark.count, "component has", "components have") +
-                   " no control and no guidance; each has its smoothest field";
-  run.remarks.push_back(std::move(remark));
+  std::vector<char> free;
+  for (const AlignedPiece& piece : result.pieces) free.push_back(piece.eigen ? 1 : 0);
+  if (std::count(free.begin(), free.end(), 1) > 0) run.remarks.push_back(remark_pieces(free));
 }
 
 }  // namespace
 
-bool follows_boundary_alone(const DesignFile& placed, const std::vector<DesignControl>& controls) {
-  if (!placed.boundary.wanted || placed.method != DesignMethod::variational || placed.n % 2 != 0 || placed.s != 0 ||
-      placed.guidance.source != DesignGuidance::Source::nothing || placed.guidance.t)
-    return false;
-  return std::all_of(controls.begin(), controls.end(), [](const DesignControl& c) {
-    const auto* const fixed = std::get_if<VertexConstraint>(&c.control);
-    return std::holds_alternative<BoundaryAlignment>(c.control) || (fixed != nullptr && fixed->direction_only);
-  });
+bool follows_boundary_alone(const DesignFile& placed) {
+  return placed.boundary.wanted && placed.method == DesignMethod::variational && placed.n % 2 == 0 && placed.s == 0 &&
+         placed.guidance.source == DesignGuidance::Source::nothing && !placed.guidance.t &&
+         placed.singularities.empty() && placed.strokes.empty() &&
+         std::all_of(placed.fixed.begin(), placed.fixed.end(), [](const DesignFixed& f) { return f.free_length; });
 }
 
 bool solve_along_boundary(const ConnectedSurface& surface, const FeatureGraph& graph, double coarser,

@@ -17,8 +17,6 @@ namespace {
 
 using Type = DesignOutcome::Type;
 
-// A pinned zero is met when the field there is no longer than this, relative to the corners of its face.
-constexpr double pinned = 1e-6;
 // Cones are exact up to rounding; in turns.
 constexpr double cone_tolerance = 1e-6;
 
@@ -33,13 +31,11 @@ void judge_singularity(const DesignRun& run, const SolvedDesign& solved, const S
   for (const Singularity& found : run.singularities)
     if (found.face == target.face) out.found = found;
   if (!target.pin) return;
-  const ComplexVectorX<double>& u = solved.u;
-  const Index face = solved_target.face;
-  const FieldValue there = face_field(solved.surface, run.design.n, u, face).at(*solved_target.pin);
-  double size = 0;
-  for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(u[solved.surface.mesh().F()(face, c)]));
-  out.length_at_pin = size > 0 ? std::abs(there.u) / size : 0;
-  out.met = out.met && out.length_at_pin <= pinned;
+  const ConnectedSurface& surface = solved.surface;
+  const Field field{run.design.n, solved.u, nullptr};
+  out.length_at_pin =
+      length_at_pin(surface.mesh(), surface.geometry(), surface.connection(), field, solved_target);
+  out.met = out.met && out.length_at_pin <= pinned_length;
 }
 
 /// Curvature that the connection gives every vertex, in turns: 1 - (sum of the corner angles it sees) / 2 pi.
@@ -96,7 +92,26 @@ Index target_next_to(const DesignRun& run, const SingularityTarget& target) {
   return none;
 }
 
-Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
+}  // namespace
+
+Remark remark_pieces(const std::vector<char>& empty) {
+  Remark remark{.code = "pieces_without_control", .warning = false, .count = std::count(empty.begin(), empty.end(), 1)};
+  remark.message = counted(remark.count, "component has", "components have") +
+                   " no control and no guidance; each has its smoothest field";
+  for (std::size_t c = 0; c < empty.size() && remark.first.size() < 8; ++c)
+    if (empty[c] != 0) remark.first.push_back(static_cast<Index>(c));
+  return remark;
+}
+
+double length_at_pin(const Mesh& mesh, const Geometry& geometry, const Connection& connection, const Field& field,
+                     const SingularityTarget& target) {
+  const FieldValue there = face_field(mesh, geometry, connection, field.n, field.u, target.face).at(*target.pin);
+  double size = 0;
+  for (Index c = 0; c < 3; ++c) size = std::max(size, std::abs(field.u[mesh.F()(target.face, c)]));
+  return size > 0 ? std::abs(there.u) / size : 0;
+}
+
+Remark unmet(const DesignOutcome& outcome, Index next_target) {
   std::string what = "off by " + degrees_text(outcome.error_degrees);
   Remark remark{.code = "control_not_met", .count = 1};
   switch (outcome.type) {
@@ -107,8 +122,8 @@ Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
         what = std::string(target.count > 1 ? "the faces around " : "") + "face " + std::to_string(target.face) +
                (target.count > 1 ? " have" : " has") + " index " + std::to_string(outcome.index) + " instead of " +
                std::to_string(asked);
-      if (const Index other = target_next_to(run, target); other != none)
-        what += "; it is too close to the target in face " + std::to_string(other) +
+      if (next_target != none)
+        what += "; it is too close to the target in face " + std::to_string(next_target) +
                 ", with which it shares a vertex: put faces between them, or refine the mesh there";
       else
         what += "; more strength, less guidance or fewer controls nearby help";
@@ -122,14 +137,11 @@ Remark unmet(const DesignRun& run, const DesignOutcome& outcome) {
       remark.first = {std::get<VertexConstraint>(*outcome.control).vertex};
       break;
     case Type::cone:
-      remark.first = {run.design.connection.cones[outcome.number].vertex};
       break;
   }
   remark.message = outcome.name + " (" + outcome.path + ") is not met: " + what;
   return remark;
 }
-
-}  // namespace
 
 std::vector<DesignOutcome> judge_design(const DesignRun& run, const SolvedDesign& solved,
                                         const std::vector<DesignControl>& controls,
@@ -166,8 +178,7 @@ void remark_vanishing(double largest_residual, DesignRun& run) {
       double& most = largest[static_cast<std::size_t>(c)];
       most = std::max(most, std::abs(u[v]));
     }
-  // What is this small is what the solve has left over.
-  const double least = std::min(largest_residual, 10 * std::max(run.residual, 1e-16));
+  const double least = vanishing_length(run.residual, largest_residual);
   Remark remark{.code = "field_vanishes"};
   for (Index v = 0; v < u.size(); ++v) {
     const Index c = component(v);
@@ -175,12 +186,21 @@ void remark_vanishing(double largest_residual, DesignRun& run) {
     ++remark.count;
     if (remark.first.size() < 8) remark.first.push_back(v);
   }
+  remark_vanishing(std::move(remark), run.outcomes.size(), run.remarks);
+}
+
+double vanishing_length(double residual, double largest_residual) {
+  // What is this small is what the solve has left over.
+  return std::min(largest_residual, 10 * std::max(residual, 1e-16));
+}
+
+void remark_vanishing(Remark remark, std::size_t outcomes, std::vector<Remark>& remarks) {
   // A pinned zero is no such place, nor is one that a control asks for.
-  if (remark.count <= static_cast<std::int64_t>(run.outcomes.size()) + 3) return;
+  if (remark.count <= static_cast<std::int64_t>(outcomes) + 3) return;
   remark.message = "the field fades to rounding at " + counted(remark.count, "vertex", "vertices") +
                    ", far from what it was asked for: directions and singularities there mean nothing; give less zero "
                    "guidance, or guidance smoothest";
-  run.remarks.push_back(std::move(remark));
+  remarks.push_back(std::move(remark));
 }
 
 void certify_design(const Connection& solved, bool eigen_converged, double largest_residual, DesignRun& run) {
@@ -191,16 +211,25 @@ void certify_design(const Connection& solved, bool eigen_converged, double large
   c.index_sums_match =
       std::all_of(run.index_sums.begin(), run.index_sums.end(), [](const IndexSum& i) { return i.sum == i.expected; });
   c.finite = run.field.u.allFinite();
-  for (const DesignOutcome& outcome : run.outcomes)
-    if (!outcome.met) run.remarks.push_back(unmet(run, outcome));
-  const auto warn = [&](bool fine, const char* code, const char* message) {
-    if (!fine) run.remarks.push_back({.code = code, .message = message});
-  };
+  for (const DesignOutcome& outcome : run.outcomes) {
+    if (outcome.met) continue;
+    const bool target = outcome.type == Type::singularity;
+    Remark remark = unmet(outcome, target ? target_next_to(run, std::get<SingularityTarget>(*outcome.control)) : none);
+    if (outcome.type == Type::cone) remark.first = {run.design.connection.cones[outcome.number].vertex};
+    run.remarks.push_back(std::move(remark));
+  }
   if (solved.flat && !solved.admits_parallel(run.design.n)) run.remarks.push_back(not_parallel(run.design.n));
+  const bool linear = run.design.method == DesignMethod::variational;
+  certificate_remarks(c, linear ? "; try another DesignRunOptions::solver" : "", run.remarks);
+}
+
+void certificate_remarks(const DesignCertificate& c, const std::string& remedy, std::vector<Remark>& remarks) {
+  const auto warn = [&](bool fine, const char* code, const std::string& message) {
+    if (!fine) remarks.push_back({.code = code, .message = message});
+  };
   warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
   warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
-  warn(c.residual_small || run.design.method == DesignMethod::eigen, "residual_large",
-       "the linear solve did not reach its tolerance; try another DesignRunOptions::solver");
+  warn(c.residual_small || remedy.empty(), "residual_large", "the linear solve did not reach its tolerance" + remedy);
   warn(c.index_sums_match || !c.finite, "index_sum_mismatch",
        "the indices do not sum to what topology demands; please report this mesh");
   warn(c.finite, "not_finite", "the field has values that are not finite numbers");

@@ -15,6 +15,7 @@
 #include "src/base/clock.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/design/file/problem.h"
 #include "src/field/smoothest_on.h"
 #include "src/run/design_stages.h"
 
@@ -84,16 +85,6 @@ int right_hand_sides(const std::vector<DesignControl>& controls) {
     if (target == nullptr || target->pin) ++count;
   }
   return count;
-}
-
-/// Runs `call`; what is wrong with a control is named by its place in the design.
-template <class Call>
-void at_path(const std::string& path, Call&& call) {
-  try {
-    call();
-  } catch (const OptionError& e) {
-    throw OptionError(path, e.field() + " " + e.value(), e.rule());
-  }
 }
 
 }  // namespace
@@ -222,8 +213,7 @@ bool DesignStages::fill_pieces(const std::vector<DesignControl>& controls, Desig
     for (Index v = 0; v < connected_.mesh().vertices(); ++v)
       if ((*guidance_.u)[v] != 0.0 && topology.vertex_component[at(v)] != none)
         empty[at(topology.vertex_component[at(v)])] = 0;
-  const auto pieces = static_cast<std::int64_t>(std::count(empty.begin(), empty.end(), 1));
-  if (pieces == 0) return true;
+  if (std::count(empty.begin(), empty.end(), 1) == 0) return true;
   if (pieces_ != empty || pieces_field_.n != run.design.n || pieces_s_ != run.design.s) {
     SmoothestResult smooth =
         smoothest_on(connected_, empty, {.n = run.design.n, .s = run.design.s, .eigen = {.solver = options_.solver}});
@@ -238,14 +228,7 @@ bool DesignStages::fill_pieces(const std::vector<DesignControl>& controls, Desig
   const double designed = root_mean_square(connected_.surface(), u),
                filled = root_mean_square(connected_.surface(), pieces_field_.u);
   if (filled > 0) u += (designed > 0 ? designed / filled : 1.0) * pieces_field_.u;
-  Remark remark{.code = "pieces_without_control",
-                .warning = false,
-                .message = counted(pieces, "component has", "components have") +
-                           " no control and no guidance; each has its smoothest field",
-                .count = pieces};
-  for (std::size_t c = 0; c < count && remark.first.size() < 8; ++c)
-    if (empty[c] != 0) remark.first.push_back(static_cast<Index>(c));
-  run.remarks.push_back(std::move(remark));
+  run.remarks.push_back(remark_pieces(empty));
   return pieces_converged_;
 }
 
@@ -356,7 +339,7 @@ DesignRun DesignStages::solve(const DesignFile& design) {
 
   std::vector<ControlReport> reports;
   bool converged = true;
-  const bool boundary_alone = follows_boundary_alone(run.design, controls);
+  const bool boundary_alone = follows_boundary_alone(run.design);
   if (boundary_alone) {
     say("solve");
     const FeatureGraph boundary = sharp_edges(surface_, {.creases = false});

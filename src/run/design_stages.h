@@ -91,7 +91,7 @@ class DesignStages {
 };
 
 /// Whether a design asks for directions along the boundary and at vertices, and for nothing else.
-[[nodiscard]] bool follows_boundary_alone(const DesignFile& placed, const std::vector<DesignControl>& controls);
+[[nodiscard]] bool follows_boundary_alone(const DesignFile& placed);
 
 /// Such a design as an aligned field: fills field, reports and what the solve did; returns whether every eigenproblem
 /// converged. `boundary`: its edges. `coarser`: as many vertices as there are to one of the mesh. Throws OptionError
@@ -112,8 +112,27 @@ struct SolvedDesign {
                                                       const std::vector<DesignControl>& controls,
                                                       const std::vector<ControlReport>& reports);
 
+/// A pinned zero is met when the field there is no longer than this, relative to the corners of its face.
+inline constexpr double pinned_length = 1e-6;
+/// |u| at the pin of a target over the largest at the corners of its face.
+[[nodiscard]] double length_at_pin(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                   const Field& field, const SingularityTarget& target);
+
+/// Of an outcome that is not met. `next_target`: another target's face that shares a vertex with this one's, or none.
+[[nodiscard]] Remark unmet(const DesignOutcome& outcome, Index next_target);
+
+/// Warnings for what does not hold. `remedy`: of a linear solve that did not converge, empty for eigenproblems.
+void certificate_remarks(const DesignCertificate& certificate, const std::string& remedy, std::vector<Remark>& remarks);
+
+/// A note on components that have their smoothest field for want of a control: those whose `empty` is not 0.
+[[nodiscard]] Remark remark_pieces(const std::vector<char>& empty);
+
 /// A warning where the field is so much smaller than elsewhere on its component that the solve says nothing about it.
 void remark_vanishing(double largest_residual, DesignRun& run);
+/// The parts of it: relative to the longest vector of a component, what counts as vanished; and the warning itself,
+/// with the vertices counted, where they are more than `outcomes` explain.
+[[nodiscard]] double vanishing_length(double residual, double largest_residual);
+void remark_vanishing(Remark remark, std::size_t outcomes, std::vector<Remark>& remarks);
 
 /// Certificate and remarks, from everything else.
 void certify_design(const Connection& solved, bool eigen_converged, double largest_residual, DesignRun& run);

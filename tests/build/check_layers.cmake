@@ -26,7 +26,7 @@ set(layers
   "src/design              | controls aligned designer eigen_design design_file"
   "src/io/field            | output handoff"
   "src/run                 | field_run design_run batch plan alcap"
-  "src/distributed         | distributed distributed_output"
+  "src/distributed         | distributed distributed_output distributed_design"
   "apps                    |"
   "c                       | alcap_c"
   "python                  |")

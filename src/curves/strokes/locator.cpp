@@ -12,6 +12,7 @@
 #include "alcap/surface.h"
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/curves/strokes/closest.h"
 
 namespace alcap {
 namespace {
@@ -20,9 +21,13 @@ using Point = Eigen::RowVector3d;
 constexpr Index leaf_size = 4;
 constexpr double farthest = 1e150;  // distances are squared
 
-/// Barycentric coordinates of the point of a triangle closest to x: the foot of the perpendicular, or the best of the
-/// three edges' closest points when the foot is outside.
-std::array<double, 3> closest_in(const std::array<Point, 3>& p, const Point& x, double& squared) {
+double squared_distance(const Point& low, const Point& high, const Point& x) {
+  return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
+}
+
+}  // namespace
+
+std::array<double, 3> detail::closest_in(const std::array<Point, 3>& p, const Point& x, double& squared) {
   std::array<double, 3> best{1, 0, 0};
   squared = std::numeric_limits<double>::infinity();
   const auto offer = [&](const std::array<double, 3>& b) {
@@ -52,12 +57,6 @@ std::array<double, 3> closest_in(const std::array<Point, 3>& p, const Point& x, 
   }
   return best;
 }
-
-double squared_distance(const Point& low, const Point& high, const Point& x) {
-  return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
-}
-
-}  // namespace
 
 SurfaceLocator::SurfaceLocator(const Surface& surface) {
   const Mesh& mesh = surface.mesh();
@@ -115,7 +114,7 @@ SurfacePoint SurfaceLocator::closest(const Eigen::RowVector3d& point) const {
       for (Index k = box.begin; k < box.end; ++k) {
         const Index t = order_[detail::at(k)];
         double squared = 0;
-        const auto b = closest_in(corners_[detail::at(t)], point, squared);
+        const auto b = detail::closest_in(corners_[detail::at(t)], point, squared);
         if (squared < least || (squared == least && t < best.face)) {
           least = squared;
           best = {t, b};

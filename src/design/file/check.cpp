@@ -269,24 +269,23 @@ void check_edits(const DesignFile& design) {
   }
 }
 
-void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
+void check_with_mesh(const DesignFile& design, const detail::DesignTarget& mesh) {
   const auto face = [&](const std::string& path, Index t) {
-    if (t >= mesh.faces())
-      throw Problem{path, std::to_string(t), "there is no such face; the mesh has " + std::to_string(mesh.faces())};
+    if (t >= mesh.faces)
+      throw Problem{path, std::to_string(t), "there is no such face; the mesh has " + std::to_string(mesh.faces)};
   };
   const auto vertex = [&](const std::string& path, Index v) {
-    if (v >= mesh.vertices())
-      throw Problem{path, std::to_string(v),
-                    "there is no such vertex; the mesh has " + std::to_string(mesh.vertices())};
+    if (v >= mesh.vertices)
+      throw Problem{path, std::to_string(v), "there is no such vertex; the mesh has " + std::to_string(mesh.vertices)};
     if (v >= 0 && !mesh.referenced(v)) throw Problem{path, std::to_string(v), "no face uses this vertex"};
   };
   if (design.mesh) {
-    if (design.mesh->vertices != mesh.vertices())
+    if (design.mesh->vertices != mesh.vertices)
       throw Problem{"/mesh/vertices", std::to_string(design.mesh->vertices),
-                    "the design is for another mesh; this one has " + std::to_string(mesh.vertices())};
-    if (design.mesh->faces != mesh.faces())
+                    "the design is for another mesh; this one has " + std::to_string(mesh.vertices)};
+    if (design.mesh->faces != mesh.faces)
       throw Problem{"/mesh/faces", std::to_string(design.mesh->faces),
-                    "the design is for another mesh; this one has " + std::to_string(mesh.faces())};
+                    "the design is for another mesh; this one has " + std::to_string(mesh.faces)};
   }
   for (std::size_t k = 0; k < design.connection.cones.size(); ++k)
     vertex(at("connection/cones", k) + "/vertex", design.connection.cones[k].vertex);
@@ -307,9 +306,9 @@ void check_with_mesh(const DesignFile& design, const Mesh& mesh) {
       vertex(at("strokes", k) + "/vertices/" + std::to_string(v), design.strokes[k].vertices[v]);
   }
   const auto weights = static_cast<std::int64_t>(design.guidance.weights.size());
-  if (weights > 0 && weights != mesh.vertices())
+  if (weights > 0 && weights != mesh.vertices)
     throw Problem{"/guidance/weights", std::to_string(weights) + " values",
-                  "needs one per vertex; the mesh has " + std::to_string(mesh.vertices())};
+                  "needs one per vertex; the mesh has " + std::to_string(mesh.vertices)};
 }
 
 }  // namespace
@@ -343,12 +342,24 @@ void check_design(const DesignFile& design) {
 }
 
 void check_design(const DesignFile& design, const Mesh& mesh) {
+  detail::check_design_on(design, {mesh.vertices(), mesh.faces(), [&](Index v) { return mesh.referenced(v); }});
+}
+
+void detail::check_design_on(const DesignFile& design, const DesignTarget& mesh) {
   check_design(design);
   try {
     check_with_mesh(design, mesh);
   } catch (const Problem& p) {
     throw OptionError(p.path, p.value, p.rule);
   }
+}
+
+std::vector<Index> detail::vertices_of(const DesignFile& design) {
+  std::vector<Index> vertices;
+  for (const Cone& c : design.connection.cones) vertices.push_back(c.vertex);
+  for (const DesignFixed& f : design.fixed) vertices.push_back(f.vertex);
+  for (const DesignStroke& s : design.strokes) vertices.insert(vertices.end(), s.vertices.begin(), s.vertices.end());
+  return vertices;
 }
 
 int index_of(SingularityKind kind) {

@@ -69,19 +69,21 @@ double swirl(SingularityKind kind) {
 }
 
 SurfacePolyline traced(const std::string& path, const Surface& surface, const DesignStroke& stroke) {
-  try {
-    if (!stroke.vertices.empty()) return stroke_along_vertices(surface, stroke.vertices);
+  SurfacePolyline line;
+  detail::at_path(path, [&] {
     std::vector<SurfacePoint> points;
     for (const DesignPoint& p : stroke.points) points.push_back({p.face, p.barycentric});
-    return stroke_through_points(surface, points);
-  } catch (const OptionError& e) {
-    throw OptionError(path, e.field() + " " + e.value(), e.rule());
-  }
+    line = stroke.vertices.empty() ? stroke_through_points(surface, points)
+                                   : stroke_along_vertices(surface, stroke.vertices);
+  });
+  return line;
 }
 
-std::string path(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
-
 }  // namespace
+
+std::string detail::path_of(const char* list, std::size_t k) {
+  return std::string("/") + list + "/" + std::to_string(k);
+}
 
 std::string detail::label(const DesignSingularity& s) {
   return s.name.empty() ? std::string(name(s.kind)) + " in face " + std::to_string(s.face) : s.name;
@@ -92,6 +94,7 @@ std::string detail::label(const DesignFixed& f) {
 std::string detail::label(const DesignStroke& s, std::size_t number) {
   return s.name.empty() ? "stroke " + std::to_string(number) : s.name;
 }
+std::string detail::label(const DesignBoundary& b) { return b.normal ? "across the boundary" : "along the boundary"; }
 
 std::vector<DesignStroke> feature_strokes(const FeatureGraph& features, double weight) {
   std::vector<DesignStroke> strokes;
@@ -166,43 +169,46 @@ ConnectionOptions connection_options(const DesignFile& design) {
           .spread = c.spread};
 }
 
+SingularityTarget detail::target_of(const DesignSingularity& s, const std::string& path, const Mesh& mesh,
+                                    const Positions<double>& V) {
+  double angle = (s.angle + swirl(s.kind)) * degree;
+  if (s.relative_to) angle += face_direction(path + "/relative_to", mesh, V, s.face, *s.relative_to);
+  return {.face = s.face,
+          .sign = index_of(s.kind),
+          .count = s.count,
+          .orientation = wrap(angle),
+          .strength = s.strength,
+          .pin = s.pin ? s.barycentric : std::nullopt};
+}
+
+VertexConstraint detail::constraint_of(const DesignFixed& f, const std::string& path, int n, const Frames& frames) {
+  double angle = f.angle.value_or(0.0) * degree;
+  if (f.direction) angle += vertex_direction(path + "/direction", frames, f.vertex, *f.direction);
+  if (f.relative_to) angle += vertex_direction(path + "/relative_to", frames, f.vertex, *f.relative_to);
+  return {.vertex = f.vertex, .value = std::polar(f.length, n * wrap(angle)), .direction_only = f.free_length};
+}
+
 std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface) {
   const std::shared_ptr<const Frames> frames = surface.frames();
   std::vector<DesignControl> controls;
-  const int n = design.n;
   for (std::size_t k = 0; k < design.singularities.size(); ++k) {
     const DesignSingularity& s = design.singularities[k];
-    const std::string at = path("singularities", k);
-    double angle = (s.angle + swirl(s.kind)) * degree;
-    if (s.relative_to)
-      angle += face_direction(at + "/relative_to", surface.mesh(), surface.V(), s.face, *s.relative_to);
-    controls.push_back({at, detail::label(s),
-                        SingularityTarget{.face = s.face,
-                                          .sign = index_of(s.kind),
-                                          .count = s.count,
-                                          .orientation = wrap(angle),
-                                          .strength = s.strength,
-                                          .pin = s.pin ? s.barycentric : std::nullopt}});
+    const std::string path = detail::path_of("singularities", k);
+    controls.push_back({path, detail::label(s), detail::target_of(s, path, surface.mesh(), surface.V())});
   }
   for (std::size_t k = 0; k < design.fixed.size(); ++k) {
     const DesignFixed& f = design.fixed[k];
-    const std::string at = path("fixed", k);
-    double angle = f.angle.value_or(0.0) * degree;
-    if (f.direction) angle += vertex_direction(at + "/direction", *frames, f.vertex, *f.direction);
-    if (f.relative_to) angle += vertex_direction(at + "/relative_to", *frames, f.vertex, *f.relative_to);
-    controls.push_back(
-        {at, detail::label(f),
-         VertexConstraint{
-             .vertex = f.vertex, .value = std::polar(f.length, n * wrap(angle)), .direction_only = f.free_length}});
+    const std::string path = detail::path_of("fixed", k);
+    controls.push_back({path, detail::label(f), detail::constraint_of(f, path, design.n, *frames)});
   }
   for (std::size_t k = 0; k < design.strokes.size(); ++k) {
     const DesignStroke& s = design.strokes[k];
+    const std::string path = detail::path_of("strokes", k);
     controls.push_back(
-        {path("strokes", k), detail::label(s, k),
-         Stroke{.weight = s.weight, .line = traced(path("strokes", k), surface, s), .radius = s.radius}});
+        {path, detail::label(s, k), Stroke{.weight = s.weight, .line = traced(path, surface, s), .radius = s.radius}});
   }
   if (design.boundary.wanted)
-    controls.push_back({"/boundary", design.boundary.normal ? "across the boundary" : "along the boundary",
+    controls.push_back({"/boundary", detail::label(design.boundary),
                         BoundaryAlignment{.normal = design.boundary.normal, .weight = design.boundary.weight}});
   return controls;
 }

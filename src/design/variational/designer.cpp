@@ -192,8 +192,7 @@ void Designer::set_guidance_weights(const VectorX<double>& weights) {
 DesignResult Designer::solve() {
   State& s = *state_;
   const detail::Stopwatch watch;
-  if (s.controls.empty() && s.guidance.isZero(0))
-    throw OptionError("controls", "none", "without targets, constraints, strokes or guidance the field is zero");
+  if (s.controls.empty() && s.guidance.isZero(0)) detail::throw_nothing_asked();
   DesignResult result;
   controlled(s.options.control, [&] {
     s.choose_folding();

@@ -71,7 +71,7 @@ ControlRow ControlLoads::point_row(const SurfacePoint& p) const {
 
 double ControlLoads::stroke_weight(double weight) const {
   check_weight("weight", weight);
-  return weight * stroke_scale / std::sqrt(geometry.total_area());
+  return weight * stroke_scale / std::sqrt(total_area);
 }
 
 ControlLoad ControlLoads::operator()(const SingularityTarget& target) const {
@@ -123,15 +123,16 @@ ControlLoad ControlLoads::operator()(const Stroke& stroke) const {
   return stroke.radius > 0 ? footprint(stroke) : along_line(stroke);
 }
 
+ControlRow ControlLoads::segment_row(const SurfaceSegment& segment, double weight) const {
+  ControlRow row = point_row({segment.face, segment.at(0.5)});
+  row.target = std::polar(1.0, n * std::arg(segment.tangent));
+  row.weight = stroke_weight(weight) * segment.length;
+  return row;
+}
+
 ControlLoad ControlLoads::along_line(const Stroke& stroke) const {
-  const double scale = stroke_weight(stroke.weight);
   ControlLoad out;
-  for (const SurfaceSegment& segment : stroke.line.segments) {
-    ControlRow row = point_row({segment.face, segment.at(0.5)});
-    row.target = std::polar(1.0, n * std::arg(segment.tangent));
-    row.weight = scale * segment.length;
-    out.rows.push_back(row);
-  }
+  for (const SurfaceSegment& segment : stroke.line.segments) out.rows.push_back(segment_row(segment, stroke.weight));
   return out;
 }
 
@@ -227,7 +228,7 @@ ControlLoad ControlLoads::footprint(const Stroke& stroke) const {
   return out;
 }
 
-ControlLoad ControlLoads::operator()(const BoundaryAlignment& alignment) const {
+std::vector<ControlRow> ControlLoads::boundary_rows(const BoundaryAlignment& alignment) const {
   const double scale = stroke_weight(alignment.weight);
   std::vector<C> direction(static_cast<std::size_t>(mesh.vertices()), 0);
   std::vector<double> length(static_cast<std::size_t>(mesh.vertices()), 0);
@@ -242,13 +243,18 @@ ControlLoad ControlLoads::operator()(const BoundaryAlignment& alignment) const {
     add(mesh.tail(h), connection.rho_start(mesh, h));
     add(mesh.tip(h), connection.rho_end(mesh, h));
   }
-  ControlLoad out;
+  std::vector<ControlRow> rows;
   for (Index v = 0; v < mesh.vertices(); ++v) {
     const auto at = static_cast<std::size_t>(v);
     // Where the two sides ask for opposites, as crosses do at corners of 45 degrees, none is right.
     if (!(std::abs(direction[at]) > 1e-6 * length[at])) continue;
-    out.rows.push_back(vertex_row(v, direction[at] / std::abs(direction[at]), scale * length[at]));
+    rows.push_back(vertex_row(v, direction[at] / std::abs(direction[at]), scale * length[at]));
   }
+  return rows;
+}
+
+ControlLoad ControlLoads::operator()(const BoundaryAlignment& alignment) const {
+  ControlLoad out{.rows = boundary_rows(alignment)};
   if (out.rows.empty()) throw OptionError("boundary", "none", "this mesh has no boundary to align with");
   return out;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "alcap/controls.h"
+#include "alcap/field.h"
 #include "alcap/frames.h"
 #include "alcap/operators.h"
 
@@ -31,6 +32,21 @@ struct ControlRow {
     for (std::size_t k = 0; k < 3; ++k) sum += coefficient[k] * u[vertex[k]];
     return sum;
   }
+
+  /// add(i, j, value) for every entry of w r' r that is not zero.
+  template <class Add>
+  void add_product(double w, Add&& add) const {
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        const Complex<double> value = w * std::conj(coefficient[i]) * coefficient[j];
+        if (value != Complex<double>(0)) add(vertex[i], vertex[j], value);
+      }
+  }
+  /// add(i, value) for the entries of r' z.
+  template <class Add>
+  void add_adjoint(Complex<double> z, Add&& add) const {
+    for (std::size_t c = 0; c < 3; ++c) add(vertex[c], std::conj(coefficient[c]) * z);
+  }
 };
 
 /// One zero of a target: P u or Q u of its face, turned so that it takes the argument of the target's density.
@@ -49,6 +65,14 @@ struct ControlLoad {
 
   [[nodiscard]] bool target() const { return !parts.empty(); }
   [[nodiscard]] bool soft() const { return !rows.empty() && rows.front().weight > 0; }
+
+  /// add(i, value) for the entries of a target's load, of this density instead of its own.
+  template <class Add>
+  void add_target(const Mesh& mesh, Complex<double> of_density, Add&& add) const {
+    for (const TargetPart& part : parts)
+      for (Index c = 0; c < 3; ++c)
+        add(mesh.F()(part.face, c), std::conj(part.coefficient[static_cast<std::size_t>(c)]) * of_density);
+  }
 };
 
 /// Turns controls into loads and rows. Keeps references. Every overload throws OptionError naming what is wrong.
@@ -59,6 +83,7 @@ struct ControlLoads {
   const Connection& connection;
   const FirstOrderOperators& operators;
   int n = 1;
+  double total_area = 0;  ///< of the whole surface, of which the mesh may be a part
 
   [[nodiscard]] ControlLoad operator()(const SingularityTarget& target) const;
   [[nodiscard]] ControlLoad operator()(const VertexConstraint& constraint) const;
@@ -67,6 +92,10 @@ struct ControlLoads {
 
   /// The field at a point in the face's frame.
   [[nodiscard]] ControlRow point_row(const SurfacePoint& p) const;
+  /// The row of one segment of a stroke's line.
+  [[nodiscard]] ControlRow segment_row(const SurfaceSegment& segment, double weight) const;
+  /// The rows of an alignment, one per boundary vertex whose two sides do not ask for opposites.
+  [[nodiscard]] std::vector<ControlRow> boundary_rows(const BoundaryAlignment& alignment) const;
 
  private:
   [[nodiscard]] double stroke_weight(double weight) const;
@@ -81,6 +110,26 @@ struct ControlLoads {
 [[nodiscard]] inline int target_turns(int n, const SingularityTarget& target) {
   return target_turns(n, target.sign * target.count);
 }
+
+/// Of the guidance weight and of 2 lambda_t: twice the lambda_min of a round sphere of this area.
+[[nodiscard]] inline double guidance_unit(int n, double area) { return 8 * pi<double> * n / area; }
+
+/// What became of a target: of the parts of its load, with the field around their faces.
+[[nodiscard]] ControlReport judge_target(const Mesh& mesh, const Connection& connection, const Field& field,
+                                         const SingularityTarget& target, const ControlLoad& load);
+/// What became of a fixed vertex: of the value there, with the length of the longest of all.
+[[nodiscard]] ControlReport judge_fixed(const VertexConstraint& constraint, int n, Complex<double> value,
+                                        double longest);
+/// What became of soft rows, summed over them.
+struct Deviation {
+  double radians = 0, weights = 0;  ///< sums of weight times angle, and of weights
+
+  void add(const ControlRow& row, Complex<double> value, int n) {
+    radians += row.weight * std::abs(wrap(std::arg(value) - std::arg(row.target))) / n;
+    weights += row.weight;
+  }
+  [[nodiscard]] ControlReport judge() const;
+};
 
 /// Throws OptionError for a face the mesh has not or coordinates outside it.
 void check_surface_point(const Mesh& mesh, const SurfacePoint& p, const char* name);

@@ -8,11 +8,11 @@
 // one solve more, every time. The rows of pins and fixed vertices keep Y itself while there are few: turning a pinned
 // singularity then solves nothing. Rows count twice, as real and imaginary part, so that rows which fix a direction
 // only can stand among them.
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "alcap/singularities.h"
+#include "src/design/variational/real_rows.h"
 #include "src/design/variational/state.h"
 
 namespace alcap {
@@ -26,9 +26,6 @@ using detail::Prepared;
 // So many controls of one row keep their column of Y, if it is one of a design that will be edited: at a million
 // vertices they take 256 MB.
 constexpr std::ptrdiff_t kept_columns = 16;
-
-// Exact rows get this compliance, relative to the others': rows that say the same twice stay solvable.
-constexpr double exact_compliance = 1e-12;
 
 }  // namespace
 
@@ -79,7 +76,7 @@ ComplexVectorX<double> Designer::State::common_load() const {
     for (const ControlRow& row : p.load.rows) {
       if (row.direction_only) continue;
       const double weight = p.load.soft() ? row.weight : exact;
-      for (std::size_t c = 0; c < 3; ++c) b[row.vertex[c]] += weight * std::conj(row.coefficient[c]) * row.target;
+      row.add_adjoint(weight * row.target, [&](Index v, C value) { b[v] += value; });
     }
   }
   return b;
@@ -118,49 +115,30 @@ std::vector<Designer::State::RowGroup> Designer::State::collect_rows(DesignResul
   for (auto& [id, p] : prepared) {
     if (!is_update(p)) continue;
     solve_rows(p, result);
-    RowGroup group{&p, {}, count};
-    for (std::size_t k = 0; k < p.load.rows.size(); ++k) {
-      const ControlRow& row = p.load.rows[k];
-      const auto number = static_cast<Eigen::Index>(k);
-      if (row.direction_only) {
-        const C along = std::conj(row.target) / std::abs(row.target);
-        group.rows.push_back({&row, number, C(0, -1) * along, 0, 0});
-        // The length is free: what hold_kernel() weighs it with goes again.
-        if (singular) group.rows.push_back({&row, number, along, 0, -anchor()});
-      } else {
-        group.rows.push_back({&row, number, 1, row.target.real(), row.weight});
-        group.rows.push_back({&row, number, C(0, -1), row.target.imag(), row.weight});
-      }
-    }
-    result.rows += static_cast<int>(p.load.rows.size());
-    count += static_cast<Eigen::Index>(group.rows.size());
-    groups.push_back(std::move(group));
+    const auto rows = static_cast<Eigen::Index>(p.load.rows.size());
+    groups.push_back({&p, count, rows});
+    result.rows += static_cast<int>(rows);
+    count += rows;
   }
   return groups;
 }
 
-VectorX<double> Designer::State::multipliers(const std::vector<RowGroup>& groups, const ComplexVectorX<double>& u) {
-  const Eigen::Index count = groups.back().first + static_cast<Eigen::Index>(groups.back().rows.size());
-  MatrixX<double> G = MatrixX<double>::Zero(count, count);
-  VectorX<double> missing(count), compliance(count);
+ComplexVectorX<double> Designer::State::row_multipliers(const std::vector<RowGroup>& groups,
+                                                        const ComplexVectorX<double>& u) const {
+  const Eigen::Index count = groups.back().first + groups.back().count;
+  const double kernel_weight = singular ? anchor() : 0;
+  MatrixX<C> G(count, count);
+  ComplexVectorX<double> values(count);
+  std::vector<detail::RealRow> real;
   for (const RowGroup& a : groups) {
-    for (const RowGroup& b : groups) {
-      const MatrixX<C> complex = response(*a.owner, *b.owner);
-      for (std::size_t j = 0; j < b.rows.size(); ++j)
-        for (std::size_t i = 0; i < a.rows.size(); ++i)
-          G(a.first + static_cast<Eigen::Index>(i), b.first + static_cast<Eigen::Index>(j)) =
-              (a.rows[i].factor * complex(a.rows[i].number, b.rows[j].number) * std::conj(b.rows[j].factor)).real();
-    }
-    for (std::size_t i = 0; i < a.rows.size(); ++i) {
-      const RealRow& row = a.rows[i];
-      const Eigen::Index at = a.first + static_cast<Eigen::Index>(i);
-      missing[at] = (row.factor * row.row->at(u)).real() - row.target;
-      compliance[at] = row.weight != 0 ? 1 / row.weight : 0;
+    for (const RowGroup& b : groups) G.block(a.first, b.first, a.count, b.count) = response(*a.owner, *b.owner);
+    for (Eigen::Index k = 0; k < a.count; ++k) {
+      const ControlRow& row = a.owner->load.rows[static_cast<std::size_t>(k)];
+      values[a.first + k] = row.at(u);
+      detail::append_real_rows(row, a.first + k, kernel_weight, real);
     }
   }
-  const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
-  for (Eigen::Index i = 0; i < count; ++i) G(i, i) += compliance[i] != 0 ? compliance[i] : exact;
-  return G.ldlt().solve(missing);
+  return detail::complex_multipliers(real, detail::multipliers(real, G, values), count);
 }
 
 void Designer::State::apply_rows(const ComplexVectorX<double>& load, DesignResult& result) {
@@ -169,18 +147,15 @@ void Designer::State::apply_rows(const ComplexVectorX<double>& load, DesignResul
     if (!load.isZero(0)) result.residual = residual<C>(A, result.field.u, load);
     return;
   }
-  const VectorX<double> mu = multipliers(groups, result.field.u);
+  const ComplexVectorX<double> mu = row_multipliers(groups, result.field.u);
   ComplexVectorX<double> all = ComplexVectorX<double>::Zero(mesh.vertices());  // R' mu
   ComplexVectorX<double> push;                                                 // that of the controls without columns
   for (const RowGroup& group : groups) {
     const auto& rows = group.owner->load.rows;
-    ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(static_cast<Eigen::Index>(rows.size()));
-    for (std::size_t i = 0; i < group.rows.size(); ++i)
-      sum[group.rows[i].number] += mu[group.first + static_cast<Eigen::Index>(i)] * std::conj(group.rows[i].factor);
+    const auto sum = mu.segment(group.first, group.count);
     const auto add_to = [&](ComplexVectorX<double>& to) {
       for (std::size_t k = 0; k < rows.size(); ++k)
-        for (std::size_t c = 0; c < 3; ++c)
-          to[rows[k].vertex[c]] += std::conj(rows[k].coefficient[c]) * sum[static_cast<Eigen::Index>(k)];
+        rows[k].add_adjoint(sum[static_cast<Eigen::Index>(k)], [&](Index v, C value) { to[v] += value; });
     };
     add_to(all);
     if (group.owner->columns.cols() > 0) {
@@ -206,39 +181,18 @@ void Designer::State::apply_rows(const ComplexVectorX<double>& load, DesignResul
 
 ControlReport Designer::State::judge(ControlId id, const Control& control, const Field& field) const {
   const ComplexVectorX<double>& u = field.u;
-  ControlReport report{.id = id};
   const ControlLoad& load = prepared.at(id).load;
-  const double degrees = 180 / pi<double>;
+  ControlReport report;
   if (const auto* target = std::get_if<SingularityTarget>(&control)) {
-    C value = 0;
-    bool all = true;
-    for (const detail::TargetPart& part : load.parts) {
-      const int index = face_index(mesh, connection, field, part.face);
-      report.index += index;
-      all = all && index == target->sign;
-      C here = 0;
-      for (Index c = 0; c < 3; ++c) here += part.coefficient[static_cast<std::size_t>(c)] * u[mesh.F()(part.face, c)];
-      if (here != C(0)) value += here / std::abs(here);
-    }
-    const int turns = detail::target_turns(options.n, *target);
-    report.error_degrees = std::abs(wrap(std::arg(value) - turns * target->orientation)) / std::abs(turns) * degrees;
-    report.met = all && report.error_degrees <= target_met_degrees;
+    report = detail::judge_target(mesh, connection, field, *target, load);
   } else if (const auto* constraint = std::get_if<VertexConstraint>(&control)) {
-    const C value = u[constraint->vertex];
-    const double size = std::abs(constraint->value) + u.cwiseAbs().maxCoeff();
-    report.error_degrees = std::abs(wrap(std::arg(value) - std::arg(constraint->value))) / options.n * degrees;
-    report.met = constraint->direction_only
-                     ? std::abs(value) > 1e-9 * size && report.error_degrees <= target_met_degrees
-                     : std::abs(value - constraint->value) <= 1e-6 * size;
+    report = detail::judge_fixed(*constraint, options.n, u[constraint->vertex], u.cwiseAbs().maxCoeff());
   } else {
-    double sum = 0, weights = 0;
-    for (const ControlRow& row : load.rows) {
-      sum += row.weight * std::abs(wrap(std::arg(row.at(u)) - std::arg(row.target))) / options.n;
-      weights += row.weight;
-    }
-    report.error_degrees = sum / weights * degrees;
-    report.met = report.error_degrees <= stroke_met_degrees;
+    detail::Deviation deviation;
+    for (const ControlRow& row : load.rows) deviation.add(row, row.at(u), options.n);
+    report = deviation.judge();
   }
+  report.id = id;
   return report;
 }
 

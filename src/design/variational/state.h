@@ -17,6 +17,7 @@
 #include "alcap/designer.h"
 #include "alcap/energies.h"
 #include "src/base/cancel.h"
+#include "src/design/variational/free_fields.h"
 #include "src/design/variational/rows.h"
 
 namespace alcap {
@@ -47,9 +48,6 @@ struct Designer::State {
   using ControlLoad = detail::ControlLoad;
   using ControlRow = detail::ControlRow;
   using Prepared = detail::Prepared;
-
-  // Inverse iterations that tell a singular system.
-  static constexpr int probes = 4;
 
   const ConnectedSurface surface;  // keeps alive what the next three refer to
   const Mesh& mesh;
@@ -89,8 +87,7 @@ struct Designer::State {
   }
   void validate() const;
   static void check_guidance_weight(double weight);
-  // Of the guidance weight and of 2 lambda_t: twice the lambda_min of a round sphere of this area.
-  [[nodiscard]] double unit() const { return 8 * pi<double> * options.n / geometry.total_area(); }
+  [[nodiscard]] double unit() const { return detail::guidance_unit(options.n, geometry.total_area()); }
   // What multiplies M in the matrix, and in the right-hand side.
   [[nodiscard]] double mass_weight() const { return (options.t ? -*options.t : options.guidance_weight) * unit(); }
   [[nodiscard]] double guidance_scale() const { return (options.t ? 1.0 : options.guidance_weight) * unit(); }
@@ -98,7 +95,7 @@ struct Designer::State {
   // Those the caller knows of and those of is_singular().
   [[nodiscard]] int all_right_hand_sides() const {
     const int known = options.right_hand_sides;
-    return known > 0 && mass_weight() == 0 ? known + probes : known;
+    return known > 0 && mass_weight() == 0 ? known + detail::singular_probes : known;
   }
   // S2 still holds S.
   void check_t() const;
@@ -152,33 +149,22 @@ struct Designer::State {
   [[nodiscard]] static MatrixX<C> response(const Prepared& a, const Prepared& b);
   template <class Column>
   void add_target(const ControlLoad& load, C density, Column&& b) const {
-    for (const detail::TargetPart& part : load.parts)
-      for (Index c = 0; c < 3; ++c)
-        b[mesh.F()(part.face, c)] += std::conj(part.coefficient[static_cast<std::size_t>(c)]) * density;
+    load.add_target(mesh, density, [&](Index v, C value) { b[v] += value; });
   }
   // Right-hand side of guidance, folded strokes and the targets that are not live.
   [[nodiscard]] ComplexVectorX<double> common_load() const;
   // The solution before the rows, from the common one and the live ones; returns its right-hand side.
   ComplexVectorX<double> solve_loads(DesignResult& result);
-  // A row as one or two real functionals Re(factor row.at(u)) = target.
-  struct RealRow {
-    const ControlRow* row;
-    Eigen::Index number;  // of the row in its control
-    C factor;
-    double target;
-    double weight;  // 0: exact
-  };
   // The rows of one control; the first one's number among all.
   struct RowGroup {
     const Prepared* owner;
-    std::vector<RealRow> rows;
-    Eigen::Index first;
+    Eigen::Index first, count;
   };
   // Rows that are an update of the solution, solved for where they are not yet.
   [[nodiscard]] std::vector<RowGroup> collect_rows(DesignResult& result);
   // mu of all rows, for the solution u before them.
-  [[nodiscard]] static VectorX<double> multipliers(const std::vector<RowGroup>& groups,
-                                                   const ComplexVectorX<double>& u);
+  [[nodiscard]] ComplexVectorX<double> row_multipliers(const std::vector<RowGroup>& groups,
+                                                       const ComplexVectorX<double>& u) const;
   void apply_rows(const ComplexVectorX<double>& load, DesignResult& result);
   [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field& field) const;
 

@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "src/base/array.h"
-#include "src/base/numbers.h"
 #include "src/base/parallel.h"
+#include "src/design/variational/free_fields.h"
 #include "src/design/variational/state.h"
 #include "src/design/weight_range.h"
 #include "src/field/component_blocks.h"
@@ -17,13 +17,10 @@ namespace {
 
 using C = Complex<double>;
 using detail::ControlRow;
+using detail::free_length;
+using detail::parallel_energy;
+using detail::probe_lift;
 
-// A field whose energy is this small, relative to its size, in units of 1/area, is parallel.
-constexpr double parallel_energy = 1e-6;
-// Of the guidance weight's unit: what is added of the mass to tell which components have parallel fields.
-constexpr double lift = 1e-8;
-// Weight of guidance towards zero where directions alone are held among parallel fields: it picks their length.
-constexpr double free_length = 1e-6;
 // Columns solved for at once, and between two looks at whether to go on.
 constexpr Eigen::Index columns_at_once = 16;
 
@@ -36,7 +33,7 @@ Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& 
       connection(surface.connection()),
       options(options_),
       pattern(mesh),
-      loads({mesh, surface.V(), geometry, connection, operators, options.n}) {
+      loads({mesh, surface.V(), geometry, connection, operators, options.n, geometry.total_area()}) {
   validate();
   tell("assembly");
   StiffnessMass matrices = stiffness_and_mass(mesh, pattern, geometry, connection, options.n);
@@ -87,9 +84,7 @@ void Designer::State::check_t() const {
     }
   const EigenResult smallest = smallest_eigenpair(S, mass, geometry.total_area(), {.tolerance = 1e-6});
   const double limit = 2 * smallest.report.lambda / unit();
-  if (!(*options.t < limit * (1 - 1e-6)))
-    throw OptionError("t", *options.t,
-                      "must be below lambda_1, which is " + detail::rounded_text(limit) + " here in the same units");
+  if (!(*options.t < limit * (1 - 1e-6))) detail::throw_above_smallest(*options.t, limit);
 }
 
 void Designer::State::make_matrix(bool fold) {
@@ -102,11 +97,7 @@ void Designer::State::make_matrix(bool fold) {
     for (const auto& [id, p] : prepared) {
       if (!p.load.soft()) continue;
       for (const ControlRow& row : p.load.rows)
-        for (std::size_t i = 0; i < 3; ++i)
-          for (std::size_t j = 0; j < 3; ++j) {
-            const C value = row.weight * std::conj(row.coefficient[i]) * row.coefficient[j];
-            if (value != C(0)) A.coeffRef(row.vertex[i], row.vertex[j]) += value;
-          }
+        row.add_product(row.weight, [&](Index i, Index j, C value) { A.coeffRef(i, j) += value; });
     }
   folded = fold;
   soft_changed = false;
@@ -130,11 +121,7 @@ void Designer::State::hold_kernel() {
           surface.topology().vertex_component[static_cast<std::size_t>(row.vertex[0])])];
       mark = std::max(mark, row.direction_only ? char{1} : char{2});
       if (p.load.soft()) continue;
-      for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-          const C value = weight * std::conj(row.coefficient[i]) * row.coefficient[j];
-          if (value != C(0)) A.coeffRef(row.vertex[i], row.vertex[j]) += value;
-        }
+      row.add_product(weight, [&](Index i, Index j, C value) { A.coeffRef(i, j) += value; });
     }
   for (Index v = 0; v < mesh.vertices(); ++v) {
     const Index c = surface.topology().vertex_component[static_cast<std::size_t>(v)];
@@ -172,7 +159,7 @@ void Designer::State::factorise() {
 bool Designer::State::is_singular() const {
   MatrixX<C> x = MatrixX<C>::Ones(mesh.vertices(), 1), Mx(mesh.vertices(), 1);
   double energy = 0;
-  for (int round = 0; round < probes; ++round) {
+  for (int round = 0; round < detail::singular_probes; ++round) {
     hermitian_product(M, x.data(), Mx.data());
     const double size = x.col(0).dot(Mx.col(0)).real();
     Mx /= std::sqrt(size);
@@ -188,8 +175,8 @@ void Designer::State::find_parallel() {
   if (parallel.size() == 1) return;
   SparseMatrix<C> lifted;
   lifted = S2;
-  for (Index k = 0; k < lifted.nonZeros(); ++k) lifted.valuePtr()[k] += lift * unit() * M.valuePtr()[k];
-  const auto probe = make_linear_solver<C>({.name = options.solver, .right_hand_sides = probes});
+  for (Index k = 0; k < lifted.nonZeros(); ++k) lifted.valuePtr()[k] += probe_lift * unit() * M.valuePtr()[k];
+  const auto probe = make_linear_solver<C>({.name = options.solver, .right_hand_sides = detail::singular_probes});
   probe->set_transport(M);
   probe->analyse(lifted);
   probe->factorise(lifted);
@@ -206,7 +193,7 @@ void Designer::State::find_parallel() {
   };
   MatrixX<C> x = MatrixX<C>::Ones(mesh.vertices(), 1), Mx(mesh.vertices(), 1);
   VectorX<double> energy(count);
-  for (int round = 0; round < probes; ++round) {
+  for (int round = 0; round < detail::singular_probes; ++round) {
     const VectorX<double> size = sizes(x).cwiseSqrt();
     hermitian_product(M, x.data(), Mx.data());
     for (Index v = 0; v < mesh.vertices(); ++v)
@@ -216,7 +203,7 @@ void Designer::State::find_parallel() {
   }
   const std::vector<double> areas = detail::areas_of_components(geometry, topology);
   for (std::size_t c = 0; c < parallel.size(); ++c) {
-    const double own = energy[static_cast<Eigen::Index>(c)] - lift * unit();
+    const double own = energy[static_cast<Eigen::Index>(c)] - probe_lift * unit();
     parallel[c] = own * areas[c] > parallel_energy ? 0 : 1;  // also where nothing can be told
   }
 }
@@ -230,12 +217,7 @@ void Designer::State::check_determined() const {
       held[detail::at(topology.vertex_component[detail::at(row.vertex[0])])] = 1;
   }
   for (std::size_t c = 0; c < parallel.size(); ++c)
-    if (parallel[c] != 0 && asked[c] != 0 && held[c] == 0)
-      throw OptionError(
-          "guidance_weight", options.guidance_weight,
-          "the design's system is singular on component " + std::to_string(c) +
-              ": this connection has parallel fields (flat or trivial), so targets alone do not determine "
-              "one; give a guidance weight, or hold the field there");
+    if (parallel[c] != 0 && asked[c] != 0 && held[c] == 0) detail::throw_undetermined(options.guidance_weight, c);
 }
 
 void Designer::State::make_guidance() {
