@@ -113,13 +113,12 @@ Json mesh_of(const MeshSlice& mesh, const DistributedField& field) {
 
 Json counts_json(const std::int64_t (&value)[3]) { return {{"min", value[0]}, {"mean", value[1]}, {"max", value[2]}}; }
 
+/// Counts of meshes are grouped by thousands.
+std::string count(const Json& value) { return grouped(value.get<std::int64_t>()); }
+
 }  // namespace
 
-Json distributed_report(const std::string& path, const MeshSlice& mesh, const DistributedField& field,
-                        const DistributedOptions& options) {
-  const Verdict v = judge(field, options.tolerance);
-  const bool ok = v.connection && v.eigen && v.residual && v.indices && v.smallest != Smallest::refuted;
-  Json report = report_head("field", ok);
+void add_field(const std::string& path, const MeshSlice& mesh, const DistributedField& field, Json& report) {
   report["program"] = "alcap-mpi";
   report["input"] = {{"path", path}};
   report["mesh"] = mesh_of(mesh, field);
@@ -136,11 +135,6 @@ Json distributed_report(const std::string& path, const MeshSlice& mesh, const Di
   for (const DistributedComponent& c : field.components) components.push_back(component_json(c));
   report["components"] = std::move(components);
   report["singularities"] = singularities(field);
-  report["certificate"] = {{"connection_converged", v.connection},
-                           {"eigen_converged", v.eigen},
-                           {"residual_small", v.residual},
-                           {"index_sums_match", v.indices},
-                           {"smallest", name(v.smallest)}};
   const double mean = static_cast<double>(field.owned[1]);
   report["ranks"] = {{"count", distributed_ranks()},
                      {"partition", field.partition},
@@ -149,15 +143,26 @@ Json distributed_report(const std::string& path, const MeshSlice& mesh, const Di
                      {"imbalance", number(mean > 0 ? static_cast<double>(field.owned[2]) / mean : 1)},
                      {"cut_edges", field.cut_edges}};
   report["phases"] = phases_json(field);
+}
+
+Json distributed_report(const std::string& path, const MeshSlice& mesh, const DistributedField& field,
+                        const DistributedOptions& options) {
+  const Verdict v = judge(field, options.tolerance);
+  const bool ok = v.connection && v.eigen && v.residual && v.indices && v.smallest != Smallest::refuted;
+  Json report = report_head("field", ok);
+  add_field(path, mesh, field, report);
+  report["certificate"] = {{"connection_converged", v.connection},
+                           {"eigen_converged", v.eigen},
+                           {"residual_small", v.residual},
+                           {"index_sums_match", v.indices},
+                           {"smallest", name(v.smallest)}};
   return report;
 }
 
-std::string distributed_summary(const Json& report) {
+std::string mesh_summary(const Json& report) {
   std::string text;
   const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
-  const auto count = [](const Json& value) { return grouped(value.get<std::int64_t>()); };
-  const Json &mesh = report["mesh"], &connection = report["connection"], &singular = report["singularities"];
-  const Json& ranks = report["ranks"];
+  const Json &mesh = report["mesh"], &connection = report["connection"], &ranks = report["ranks"];
   line("mesh", fmt::format("{} vertices, {} faces, {} component(s), {} boundary loop(s), Euler characteristic {}",
                            count(mesh["vertices"]), count(mesh["faces"]), count(mesh["components"]),
                            count(mesh["boundary_loops"]), count(mesh["euler"])));
@@ -168,15 +173,14 @@ std::string distributed_summary(const Json& report) {
   line("connection",
        fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
                    short_text(connection["D_T"]), short_text(connection["D_E"]), count(connection["iterations"])));
-  const Json& parts = report["components"];
-  const Json& eigen = std::max_element(parts.begin(), parts.end(), [](const Json& a, const Json& b) {
-                        return a["faces"] < b["faces"];
-                      })->at("eigen");
+  return text;
+}
+
+std::string costs_summary(const Json& report) {
+  std::string text;
+  const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
+  const Json& singular = report["singularities"];
   const int n = report["n"].get<int>();
-  line("field",
-       fmt::format("n = {}, eigenvalue {}, residual {}, {} iterations, {}", n, short_text(eigen["lambda"]),
-                   short_text(eigen["residual"]), count(eigen["iterations"]), eigen["solver"].get<std::string>()));
-  line("smallest", report["certificate"]["smallest"].get<std::string>());
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
                                     turns_text(singular["index_sum"].get<std::int64_t>(), n),
@@ -192,6 +196,22 @@ std::string distributed_summary(const Json& report) {
   line("seconds", seconds);
   line("MB sent", bytes + " (the rank that sends most)");
   line("memory", fmt::format("{:.0f} MB on the rank that holds most", memory / 1e6));
+  return text;
+}
+
+std::string distributed_summary(const Json& report) {
+  std::string text = mesh_summary(report);
+  const auto line = [&](const char* label, const std::string& value) { text += summary_line(label, value); };
+  const Json& parts = report["components"];
+  const Json& eigen = std::max_element(parts.begin(), parts.end(), [](const Json& a, const Json& b) {
+                        return a["faces"] < b["faces"];
+                      })->at("eigen");
+  const int n = report["n"].get<int>();
+  line("field",
+       fmt::format("n = {}, eigenvalue {}, residual {}, {} iterations, {}", n, short_text(eigen["lambda"]),
+                   short_text(eigen["residual"]), count(eigen["iterations"]), eigen["solver"].get<std::string>()));
+  line("smallest", report["certificate"]["smallest"].get<std::string>());
+  text += costs_summary(report);
   line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see certificate in the report");
   return text;
 }
