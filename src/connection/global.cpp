@@ -13,7 +13,7 @@ namespace alcap {
 namespace detail {
 namespace {
 
-void report(const Refinement& refinement, ConnectionReport& out) {
+void report(const RefinementState& refinement, ConnectionReport& out) {
   out.iterations = refinement.iterations;
   out.residual = refinement.residual;
   out.converged = refinement.converged;

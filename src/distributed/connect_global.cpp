@@ -6,19 +6,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include "kernels/face_relaxation.h"
 #include "src/base/array.h"
-#include "src/base/cancel.h"
 #include "src/base/parallel.h"
+#include "src/connection/global/conjugate_gradients.h"
 #include "src/connection/global/edge_correction.h"
+#include "src/connection/global/rounds.h"
 #include "src/distributed/connect.h"
 
 namespace alcap::detail::distributed {
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
 using Values = std::array<double, 3>;  // of an edge: mean, difference, rotation
 static_assert(sizeof(Values) == sizeof(EdgeCorrection));
 
@@ -84,6 +83,8 @@ EdgeNumbers number_edges_of(const Patch& patch) {
 
 class TogetherSystem {
  public:
+  using Scalar = double;
+
   TogetherSystem(const Patch& patch, const PatchWeights& weights, double lambda, const Connection& c,
                  const LiftedResiduals& r)
       : patch_(patch),
@@ -93,8 +94,11 @@ class TogetherSystem {
         r_(r),
         face_(at(patch.mesh.faces())),
         force_(at(patch.mesh.halfedges())),
+        z_(edges_.edge.size(), Values{}),
+        p_(at(edges_.owned), Values{}),
         corners(at(patch.mesh.halfedges()), 0),
         x(edges_.edge.size(), Values{}) {
+    r_edges_ = q_ = w_ = p_;
     each_core([&](Index t) {
       const Index h = 3 * t;
       const double cot[3] = {patch.geometry.cot(h), patch.geometry.cot(h + 1), patch.geometry.cot(h + 2)};
@@ -110,6 +114,36 @@ class TogetherSystem {
   [[nodiscard]] const EdgeNumbers& edges() const { return edges_; }
   [[nodiscard]] double rounding() const { return rounding_; }
 
+  /// r = the forces in the state with the corrections so far, z = P r; r' z.
+  double start() {
+    forces(x, false, r_edges_);
+    return precondition();
+  }
+
+  /// w = A z, minus the forces of faces at rest; z' w.
+  double apply() {
+    forces(z_, true, w_);
+    return -dot(z_, w_);
+  }
+
+  /// See conjugate_gradients.h; x goes on from where it is.
+  double step(double alpha, double beta) {
+    parallel_for(edges_.owned, [&](std::int64_t i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        p_[at(i)][k] = z_[at(i)][k] + beta * p_[at(i)][k];
+        q_[at(i)][k] = w_[at(i)][k] + beta * q_[at(i)][k];
+        x[at(i)][k] += alpha * p_[at(i)][k];
+        r_edges_[at(i)][k] += alpha * q_[at(i)][k];
+      }
+    });
+    return precondition();
+  }
+
+ private:
+  struct Block {
+    double a[6];
+  };
+
   /// Forces on owned edges: in the lifted state with corrections `at_edges`, or at rest. Fetches what others own.
   void forces(std::vector<Values>& at_edges, bool at_rest, std::vector<Values>& out) {
     edges_.others.fetch(at_edges.data(), at_edges.data() + edges_.owned);
@@ -124,14 +158,16 @@ class TogetherSystem {
     });
   }
 
-  /// z = P v, the inverse of every edge's own block.
-  void precondition(const std::vector<Values>& v, std::vector<Values>& z) const {
+  /// z = P r, the inverse of every edge's own block; r' z.
+  double precondition() {
     parallel_for(edges_.owned, [&](std::int64_t i) {
-      const double in[3] = {v[at(i)][0], v[at(i)][1], v[at(i)][2]};
+      const Values& r = r_edges_[at(i)];
+      const double in[3] = {r[0], r[1], r[2]};
       double out[3];
       kernels::multiply_symmetric(inverse_[at(i)].a, in, out);
-      z[at(i)] = {out[0], out[1], out[2]};
+      z_[at(i)] = {out[0], out[1], out[2]};
     });
+    return dot(r_edges_, z_);
   }
 
   [[nodiscard]] double dot(const std::vector<Values>& a, const std::vector<Values>& b) const {
@@ -139,11 +175,6 @@ class TogetherSystem {
       return a[at(i)][0] * b[at(i)][0] + a[at(i)][1] * b[at(i)][1] + a[at(i)][2] * b[at(i)][2];
     }));
   }
-
- private:
-  struct Block {
-    double a[6];
-  };
 
   template <class Body>
   void each_core(Body&& body) const {
@@ -194,7 +225,6 @@ class TogetherSystem {
 
   /// As rounding_of() of src/connection/global/solve.cpp.
   double rounding(double lambda, const PatchWeights& weights) const {
-    constexpr double digits = 32 * epsilon;
     const double total = sum(parallel_sum<double>(mesh_.faces(), [&](std::int64_t t) {
       double energy = 0;
       if (patch_.mine[at(t)] == 0) return energy;
@@ -204,7 +234,7 @@ class TogetherSystem {
       }
       return energy;
     }));
-    return digits * std::sqrt(total);
+    return force_digits * std::sqrt(total);
   }
 
   const Patch& patch_;
@@ -216,70 +246,23 @@ class TogetherSystem {
   std::vector<Values> force_;  // per halfedge
   std::vector<Block> inverse_;
   double rounding_ = 0;
+  // Conjugate gradients: on owned edges, z also on those of others.
+  std::vector<Values> z_, p_, r_edges_, q_, w_;
 
  public:
   std::vector<double> corners;  ///< 3 #F: what rho_{v->t} of core faces moves by
   std::vector<Values> x;        ///< the corrections
 };
 
-void axpy(double s, const std::vector<Values>& a, Index count, std::vector<Values>& b) {
-  parallel_for(count, [&](std::int64_t i) {
-    for (std::size_t k = 0; k < 3; ++k) b[at(i)][k] += s * a[at(i)][k];
-  });
-}
-
-/// Conjugate gradients from the corrections so far, until z' r has fallen by the square of `reduction`. The iterations.
-int improve(TogetherSystem& system, std::vector<Values> r, double square, double reduction, int most) {
-  constexpr double growth = 100;  // as conjugate_gradients() of src/connection/global/system.h
-  const std::size_t size = system.x.size();
-  std::vector<Values> z(size, Values{}), p(size, Values{}), q(size, Values{});
-  const double target = square * reduction * reduction;
-  double least = square;
-  system.precondition(r, z);
-  p = z;
-  int iteration = 0;
-  while (square > target && square <= growth * least && iteration < most) {
-    check_cancelled();
-    system.forces(p, true, q);  // minus A p
-    const double curvature = -system.dot(p, q);
-    if (!(curvature > 0)) break;
-    const double alpha = square / curvature;
-    axpy(alpha, p, system.owned(), system.x);
-    axpy(alpha, q, system.owned(), r);
-    system.precondition(r, z);
-    const double next = system.dot(z, r);
-    const double beta = next / square;
-    square = next;
-    least = std::min(least, square);
-    parallel_for(system.owned(), [&](std::int64_t i) {
-      for (std::size_t k = 0; k < 3; ++k) p[at(i)][k] = z[at(i)][k] + beta * p[at(i)][k];
-    });
-    ++iteration;
-  }
-  return iteration;
-}
-
-/// Rounds of conjugate gradients, each from the true gradient.
+/// Rounds of conjugate gradients, each from the true gradient, as solve_free() of src/connection/global/solve.cpp.
 void solve(TogetherSystem& system, const GlobalOptions& options, ConnectionReport& report) {
-  constexpr double useful_reduction = 0.1;
-  const double tolerance = std::max(options.tolerance, 4 * epsilon);
-  std::vector<Values> r(system.x.size(), Values{}), z = r;
-  double scale = 0, last = 0;
-  report.iterations = 0;
-  for (int round = 0;; ++round) {
-    system.forces(system.x, false, r);
-    system.precondition(r, z);
-    const double square = std::max(0.0, system.dot(z, r));
-    const double norm = std::sqrt(square);
-    const bool stalled = round > 0 && norm > useful_reduction * last;
-    if (round == 0) scale = std::max(norm, system.rounding() / tolerance);
-    last = norm;
-    report.residual = scale > 0 ? norm / scale : 0;
-    report.converged = report.residual <= tolerance;
-    if (report.converged || stalled || report.iterations >= options.max_iterations) return;
-    report.iterations +=
-        improve(system, r, square, 0.5 * tolerance / report.residual, options.max_iterations - report.iterations);
-  }
+  RefinementState state;
+  Rounds rounds(options, system.rounding(), state);
+  for (double square = system.start(); rounds.another(square) && !rounds.stalled(); square = system.start())
+    rounds.add(conjugate_gradients(system, square, rounds.wanted(), rounds.left()));
+  report.iterations = state.iterations;
+  report.residual = state.residual;
+  report.converged = state.converged;
 }
 
 /// The mean turn of each inner vertex's corners, weighed by angle, as mean_turns() of src/connection/global/gauge.h.

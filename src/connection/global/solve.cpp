@@ -3,61 +3,20 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "src/base/parallel.h"
+#include "src/connection/global/conjugate_gradients.h"
 #include "src/connection/global/held_rotations.h"
+#include "src/connection/global/rounds.h"
 #include "src/connection/global/system.h"
 
 namespace alcap::detail {
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-// Decides over rounds of refinement from the squared norms of their gradients.
-class Rounds {
- public:
-  Rounds(const GlobalOptions& options, double rounding, Refinement& state)
-      : state_(state),
-        tolerance_(std::max(options.tolerance, 4 * epsilon)),
-        rounding_(rounding),
-        most_(options.max_iterations) {}
-
-  /// Whether another correction is needed, for the gradient that the last one has left.
-  bool another(double square) {
-    const double norm = std::sqrt(std::max(0.0, square));
-    // A round that gains less than a digit has met its own rounding.
-    constexpr double useful_reduction = 0.1;
-    stalled_ = started_ && norm > useful_reduction * last_;
-    // Where the start is the optimum already, or close to it (a flat piece, a regular solid), the gradient is rounding
-    // and nothing is left to do.
-    if (!started_) scale_ = std::max(norm, rounding_ / tolerance_);
-    started_ = true;
-    last_ = norm;
-    state_.residual = norm / scale_;
-    state_.converged = state_.residual <= tolerance_;
-    return !state_.converged && left() > 0;
-  }
-  [[nodiscard]] bool stalled() const { return stalled_; }
-
-  /// The relative residual that the next solve should reach, a little below what is needed, and its iterations at most.
-  [[nodiscard]] double wanted() const { return 0.5 * tolerance_ / state_.residual; }
-  [[nodiscard]] int left() const { return most_ - state_.iterations; }
-  void add(int iterations) { state_.iterations += iterations; }
-
- private:
-  Refinement& state_;
-  double tolerance_, rounding_, scale_ = 0, last_ = 0;
-  int most_;
-  bool started_ = false, stalled_ = false;
-};
-
 // The norm that gradients have when every angle is off by its rounding: the root of the sum of the energies, less what
 // faces hide from their neighbours (kernels/face_relaxation.h).
 double rounding_of(const FaceEnergy& energy) {
-  // Angles are up to a turn or so, and a force is a sum of some of them.
-  constexpr double digits = 32 * epsilon;
   const double weights = parallel_sum<double>(energy.mesh.faces(), [&](std::int64_t t) {
     double sum = 0;
     for (Index h = static_cast<Index>(3 * t), k = 0; k < 3; ++k) {
@@ -66,7 +25,7 @@ double rounding_of(const FaceEnergy& energy) {
     }
     return sum;
   });
-  return digits * std::sqrt(weights);
+  return force_digits * std::sqrt(weights);
 }
 
 Corrections no_corrections(const Mesh& mesh, FacePairs faces) {

@@ -9,22 +9,16 @@
 #include "src/connection/global/edge_correction.h"
 #include "src/connection/global/pairs.h"
 #include "src/connection/global/relaxation.h"
+#include "src/connection/global/rounds.h"
 
 namespace alcap::detail {
-
-/// How far the refinement has come. Norms are those of the preconditioner; float is enough for them.
-struct Refinement {
-  int iterations = 0;
-  double residual = 0;  // the gradient's norm relative to its first one
-  bool converged = false;
-};
 
 /// What is to be added to a connection.
 struct Corrections {
   FacePairs faces;
   Array<EdgeCorrection> edges;  // #E, by their number in `faces`; `rotation` is what matters, the rest follows
   Array<double> corners;        // 3 #F: of rho_{v->t}
-  Refinement refinement;
+  RefinementState refinement;
 };
 
 /// Over all of rho. The corrections are solved by conjugate gradients in float, which halves the memory traffic that

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
 // system.h: the linear system of the globally optimal connection (LTGD 2016, Sec. 5.3) after every face has optimised
-// its own corners, applied without a matrix, and conjugate gradients on it.
+// its own corners, applied without a matrix; conjugate_gradients.h solves it.
 //
 // Unknowns are corrections: one per corner to rho_{v->t}, one at both ends of every edge to rho_{v->e}, and one per
 // edge to rho_ij. Faces meet only in edges, so the corners are eliminated face by face, and an EdgeCorrection remains:
@@ -47,6 +47,7 @@ struct NoVisitor {
 template <class S>
 class CorrectionSystem {
  public:
+  using Scalar = S;
   static constexpr int N = simd::group_size;
 
   /// coefficients(first, c) fills in those of the faces of halfedges first[0 ... N - 1], counted from these on, with
@@ -132,8 +133,8 @@ class CorrectionSystem {
     return sum_partial(all);
   }
 
-  /// The rest of a step of conjugate gradients in the form of Chronopoulos and Gear (1989), which needs one pass over
-  /// the faces and one over the edges. Returns the new r' P r.
+  /// The rest of a step of conjugate gradients (conjugate_gradients.h), one pass over the edges. Returns the new r' P
+  /// r.
   double step(S alpha, S beta) {
     return reduce([&](std::int64_t begin, std::int64_t end, S* sums) {
       loops_.step(&edges_[begin], end - begin, exchange_.data() + 8 * begin * B, alpha, beta, sums);
@@ -303,28 +304,5 @@ class CorrectionSystem {
   Array<S> exchange_;
   Array<double> partial_;
 };
-
-/// Preconditioned conjugate gradients from x = 0 until r' P r has fallen by `reduction` squared or `max_iterations` are
-/// done. They also end where rounding has left r a part in the kernel that is no longer small beside the rest: from
-/// there on search directions grow along the kernel, and so would r. Returns the iterations.
-template <class S>
-int conjugate_gradients(CorrectionSystem<S>& system, double square, double reduction, int max_iterations) {
-  constexpr double growth = 100;  // of r' P r above its least value: it oscillates by far less than that
-  const double target = square * reduction * reduction;
-  double beta = 0, alpha = 0, least = square;
-  int iteration = 0;
-  while (square > target && square <= growth * least && iteration < max_iterations) {
-    double curvature = system.apply();
-    if (iteration > 0) curvature -= beta * square / alpha;
-    if (!(curvature > 0)) break;  // rounding has used up the search directions
-    alpha = square / curvature;
-    const double next = system.step(static_cast<S>(alpha), static_cast<S>(beta));
-    beta = next / square;
-    square = next;
-    least = std::min(least, square);
-    ++iteration;
-  }
-  return iteration;
-}
 
 }  // namespace alcap::detail
