@@ -33,8 +33,7 @@ void judge_singularity(const DesignRun& run, const SolvedDesign& solved, const S
   if (!target.pin) return;
   const ConnectedSurface& surface = solved.surface;
   const Field field{run.design.n, solved.u, nullptr};
-  out.length_at_pin =
-      length_at_pin(surface.mesh(), surface.geometry(), surface.connection(), field, solved_target);
+  out.length_at_pin = length_at_pin(surface.mesh(), surface.geometry(), surface.connection(), field, solved_target);
   out.met = out.met && out.length_at_pin <= pinned_length;
 }
 

@@ -123,7 +123,7 @@ endif()
 file(WRITE ${WORK}/design.json [[{"alcap_design": 1, "n": 4, "connection": {"kind": "polar"},
   "singularities": [{"kind": "saddle", "face": 700, "angle": 30, "pin": true}, {"kind": "source", "face": 2000}],
   "fixed": [{"vertex": 5, "direction": [1, 2, 3]}], "guidance": {"field": "zero", "weight": 0.1}}]])
-run(0 one ${ALCAP} design mesh.ply --design design.json -o one --json)
+run(0 one ${ALCAP} design mesh.ply --design design.json --triangulation extrinsic -o one --json)
 run(0 all ${mpi} design mesh.ply --design design.json -o designed --json)
 same(-1 met)
 same(-1 certified)

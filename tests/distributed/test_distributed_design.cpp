@@ -199,7 +199,7 @@ TEST_CASE("many components, without controls on some, and vertices that no face 
   design.connection.kind = ConnectionKind::polar;
   design.fixed.push_back({.vertex = tetrahedron_vertex, .angle = 5.0});
   const Surface surface(data.V, data.F);
-  const DesignRun one = run_design(surface, design);
+  const DesignRun one = run_design(surface, design, {.triangulation = Triangulation::extrinsic});
   const MeshSlice slice = slice_of(data.V, data.F);
   const DistributedDesign all = distributed_design(slice, design, together());
   CHECK(all.certificate.holds());
@@ -231,7 +231,7 @@ TEST_CASE("the outcomes of run_design, fewer vertices than ranks, and nothing as
   design.connection.kind = ConnectionKind::polar;
   design.singularities = {{.face = 2, .kind = SingularityKind::source, .pin = true}};
   design.fixed = {{.vertex = 1, .angle = 40.0}};
-  const DesignRun one = run_design(Surface(data.V, data.F), design);
+  const DesignRun one = run_design(Surface(data.V, data.F), design, {.triangulation = Triangulation::extrinsic});
   const MeshSlice slice = slice_of(data.V, data.F);
   const DistributedDesign all = distributed_design(slice, design, together());
   CHECK(error_of(one.field.u, slice, all) <= 1e-10);
