@@ -16,6 +16,7 @@
 #include "kernels/connection_energy.h"
 #include "kernels/face_relaxation.h"
 #include "src/base/parallel.h"
+#include "src/connection/global/conjugate_gradients.h"
 #include "src/connection/global/pairs.h"
 #include "src/connection/global/system.h"
 

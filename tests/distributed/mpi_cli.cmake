@@ -144,5 +144,5 @@ file(WRITE ${WORK}/features.json [[{"alcap_design": 1, "n": 4, "features": {}, "
 fails(2 "/features" design mesh.ply --design features.json)
 fails(2 "required" design mesh.ply)
 fails(3 "no such file" design mesh.ply --design none.json)
-file(WRITE ${WORK}/wild.json [[{"alcap_design": 1, "fixed": [{"vertex": 100000, "angle": 3}]}]])
+file(WRITE ${WORK}/wild.json [[{"alcap_design": 1, "n": 1, "fixed": [{"vertex": 100000, "angle": 3}]}]])
 fails(2 "/fixed/0/vertex" design mesh.ply --design wild.json)
