@@ -149,7 +149,8 @@ struct SolvedTriangulation {
   ConnectionReport connection;  ///< of the connection that was asked for, which is made there
   /// Of that connection, where it is trivial or metric: see Connection.
   std::vector<Cone> cones;
-  std::vector<double> generator_holonomy, loop_index;  ///< the same, along generators and loops of the triangulation
+  std::vector<double> generator_holonomy;  ///< the same, along generators of the triangulation
+  std::vector<double> loop_index;          ///< the same, along loops of the triangulation
   bool parallel = true;     ///< false: flat, and without parallel n-fields, see Connection::admits_parallel
   Index singularities = 0;  ///< faces of non-zero index there; on coarse meshes those of the mesh are others
 };
