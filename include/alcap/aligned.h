@@ -37,8 +37,8 @@ class ConnectedSurface;
 struct AlignedOptions {
   int n = 4;            // degree; even, because a feature has no sense of direction
   bool across = false;  // across the features instead of along; the same where n is a multiple of 4
-  /// 0: directions are held at the vertices of features. Above 0: features draw, with the weight per length of a
-  /// Stroke.
+  /// 0: directions are held at the vertices of features. Above 0, at most 1e12: features draw, with the weight per
+  /// length of a Stroke.
   double weight = 0;
   /// Vertices at which the direction of `value` is held; its length does not matter. They win over features.
   std::vector<VertexConstraint> fixed = {};

@@ -89,7 +89,8 @@ struct PolarOptions {
 /// How the globally optimal connection is weighed and solved.
 struct GlobalOptions {
   /// lambda in D_T + lambda D_E, the curvature-spreading knob: smaller spreads each vertex's curvature over more
-  /// faces (an n-field ignores small bumps), larger follows every detail. 1 weighs both as the paper does.
+  /// faces (an n-field ignores small bumps), larger follows every detail. 1 weighs both as the paper does. In
+  /// [1e-12, 1e12]: beyond, one of the two is lost to rounding.
   double detail = 1.0;
   LengthFactor length_factor = LengthFactor::mean_edge;  // the one choice that is neutral to scale and to edge density
   /// Cap of tan(angle opposite the edge), also used at right and obtuse angles. 10 is a corner of 84 degrees; larger
@@ -117,7 +118,7 @@ struct ConnectionReport {
 /// cross field's quad mesh).
 struct Cone {
   Index vertex = none;  ///< an interior vertex
-  double index = 0;     ///< in turns: a multiple of 1/n for trivial(), any number for metric_connection()
+  double index = 0;  ///< in turns: a multiple of 1/n for trivial(), any number in [-1e6, 1e6] for metric_connection()
 };
 
 /// A discrete connection on a mesh. Angles in radians; signs and frames as in conventions.h.

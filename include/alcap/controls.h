@@ -28,7 +28,9 @@ struct SingularityTarget {
   /// As Singularity::orientation, radians in the face's frame. Index 1 (sign count = n): 0 source, pi/2 vortex, pi
   /// sink. Otherwise the direction of one of the |n - sign count| straight branches of the pattern.
   double orientation = 0;
-  double strength = 1;  // 1 holds against a guidance field of unit length, on every mesh and in every unit
+  /// 1 holds against a guidance field of unit length, on every mesh and in every unit. In [1e-100, 1e12], as every
+  /// weight: further apart, the lighter one would keep no digits.
+  double strength = 1;
   /// Puts the zero exactly here, inside `face`, whatever the rest of the design wants; the others of a count at the
   /// barycenters of their faces.
   std::optional<std::array<double, 3>> pin = std::nullopt;
@@ -47,7 +49,7 @@ struct VertexConstraint {
 /// two segments, and its tangent is the mean of theirs, projected to its face.
 struct Stroke {
   std::vector<SurfacePoint> points = {};  // at least two, in order
-  double weight = 1;                      // larger follows closer; the report says how close it came
+  double weight = 1;                      // in [1e-100, 1e12]; larger follows closer, the report says how close it came
   SurfacePolyline line = {};              // instead of points
   /// Half the width of a hat-shaped footprint, in units of length of the mesh: vertices this close are drawn along too,
   /// less the farther they are. The weight is spread, not multiplied. 0: the line alone. Only with `line`.
@@ -57,7 +59,7 @@ struct Stroke {
 /// Soft alignment with every boundary loop: along it, or across it. Weights as of a stroke along the boundary.
 struct BoundaryAlignment {
   bool normal = false;  ///< across the boundary, not along it
-  double weight = 1;    ///< larger follows closer
+  double weight = 1;    ///< in [1e-100, 1e12]; larger follows closer
 };
 
 /// Targets and fixed directions count as met within this angle: they are solved for exactly where nothing else pulls,

@@ -43,7 +43,7 @@ struct DesignerOptions {
   int n = 1;  ///< 1 vector field, 2 line field, 4 cross field
   /// Weight of the guidance field, in units of 2 lambda_min of a round sphere of the same area: 1 weighs closeness to
   /// u0 like smoothness. 0: no guidance; on flat and trivial connections the field must then be held or drawn
-  /// somewhere (pins, fixed vertices, strokes, boundary): targets alone do not determine it.
+  /// somewhere (pins, fixed vertices, strokes, boundary): targets alone do not determine it. In [0, 1e12].
   double guidance_weight = 0;
   /// The guidance field in the form of Knoeppel et al. 2013, (S - lambda_t M) u = M u0, instead of guidance_weight: t
   /// is lambda_t in units of lambda_min of a round sphere of the same area. -1 is guidance_weight = 1, smaller is

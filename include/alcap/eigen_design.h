@@ -46,7 +46,7 @@ struct NamesOf<EigenPath> {
 struct EigenStroke {
   SurfacePolyline line;  ///< the line on the surface
   /// w in units of 10 sqrt(area of the component): 1 means the same on every mesh and in every unit. 1 draws the field
-  /// to within a few degrees of the stroke, 100 to what the polyline's own corners leave.
+  /// to within a few degrees of the stroke, 100 to what the polyline's own corners leave. In [1e-100, 1e12].
   double weight = 1;
   bool across = false;  ///< across the line, not along it
 };

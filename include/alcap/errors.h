@@ -16,10 +16,21 @@
 
 namespace alcap {
 
+namespace detail {
+
+/// Texts of files and callers may hold bytes of value 0, at which what() would end.
+[[nodiscard]] inline std::string without_null_bytes(std::string text) {
+  for (std::size_t at = 0; (at = text.find('\0', at)) != std::string::npos;) text.replace(at, 1, "\\x00");
+  return text;
+}
+
+}  // namespace detail
+
 /// Base of everything the library throws on purpose.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// Bytes of value 0 become "\x00".
+  explicit Error(const std::string& what) : std::runtime_error(detail::without_null_bytes(what)) {}
 };
 
 /// A file could not be read or written. `line()` is the 1-based line, or 0 when lines mean nothing (binary formats,

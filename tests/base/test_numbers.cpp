@@ -178,6 +178,12 @@ TEST_CASE("numbers are written in the shortest form that reads back") {
   CHECK(detail::counted(0, "face has", "faces have") == "0 faces have");
 }
 
+TEST_CASE("a message goes on behind a byte of value 0") {
+  const OptionError error("controls", std::string("a\0b", 3), "must be a name");
+  CHECK(std::string(error.what()) == "option 'controls' = a\\x00b: must be a name");
+  CHECK(error.value() == std::string("a\0b", 3));
+}
+
 TEST_CASE("an OptionError holds field, value and rule apart, and all of them in its text") {
   const OptionError error("tolerance", -1e-9, "must be in (0, 1)");
   CHECK(error.field() == "tolerance");
