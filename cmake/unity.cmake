@@ -4,10 +4,10 @@
 # want every file on its own: -DALCAP_UNITY=OFF, as preset dev has.
 
 # alcap_unity(target): one translation unit per folder of the target's sources, or several of a folder with more than
-# 700 lines, so that all cores have work. The copies for an instruction set stay alone (they have flags of their own), and
+# 1,400 lines, so that all cores have work. The copies for an instruction set stay alone (they have flags of their own), and
 # so do generated files. A folder's files share one namespace: what is local to a file needs a name of its own there, or a
 # namespace, as field_parts in field_command.cpp.
-set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology|^solvers/eigenpair/")
+set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology")
 function(alcap_unity target)
   if(NOT ALCAP_UNITY)
     return()
@@ -31,7 +31,7 @@ function(alcap_unity target)
     file(STRINGS ${folder_of_target}/${source} text)
     list(LENGTH text count)
     math(EXPR lines "${lines} + ${count}")
-    if(lines GREATER 700)
+    if(lines GREATER 1400)
       math(EXPR part "${part} + 1")
       set(lines ${count})
     endif()

@@ -23,7 +23,7 @@ namespace alcap::detail {
 namespace {
 
 /// Above this many rows (about 200K triangles) nested dissection pays for itself, below AMD is faster overall.
-constexpr Eigen::Index metis_above_rows = 100'000;
+constexpr Eigen::Index cholmod_metis_above_rows = 100'000;
 
 template <class Scalar>
 constexpr int xtype = std::is_same_v<Scalar, double> ? CHOLMOD_REAL : CHOLMOD_COMPLEX;
@@ -111,7 +111,7 @@ class Cholmod final : public LinearSolver<Scalar> {
     stages_.begin_analysis(A);
     release();
     used_ = asked_;
-    if (asked_ == Ordering::automatic) used_ = A.rows() > metis_above_rows ? Ordering::metis : Ordering::amd;
+    if (asked_ == Ordering::automatic) used_ = A.rows() > cholmod_metis_above_rows ? Ordering::metis : Ordering::amd;
     common_.c.method[0].ordering = used_ == Ordering::metis ? CHOLMOD_METIS : CHOLMOD_AMD;
     guarded("CHOLMOD analysis", [&] {
       View<Scalar> view(A);
