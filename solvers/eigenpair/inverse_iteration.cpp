@@ -18,12 +18,11 @@ namespace alcap::detail {
 namespace {
 
 using Dense = MatrixX<std::complex<double>>;
-using Eigen::Index;
 
 /// Four vectors find the second eigenvalue as well, also a double one; the 2n + 1 equal ones of a round sphere fit in
 /// the widest block.
-constexpr Index narrowest = 4;
-constexpr Index widest = 16;
+constexpr Eigen::Index narrowest = 4;
+constexpr Eigen::Index widest = 16;
 /// A step that leaves more of the residual than this is slow.
 constexpr double slow = 0.3;
 /// The second eigenvalue is information: good when it changes by no more than this, waited for so many steps.
@@ -68,7 +67,7 @@ class InverseIteration {
       if (found && (next_known || --steps_left < 0)) break;
       if (solves >= options_.max_iterations) break;
       if (idle >= patience && best <= rounding_floor(problem_, u, now.lambda).residual) break;
-      const Index room = std::min(widest, rows_) - Y.cols();
+      const Eigen::Index room = std::min(widest, rows_) - Y.cols();
       if (!found && is_slow && room > 0) widen(Y, std::min(Y.cols(), room));
     }
     if (second > 0) result.report.next = second;
@@ -79,9 +78,9 @@ class InverseIteration {
 
  private:
   /// Appends random vectors.
-  void widen(Dense& Y, Index count) {
+  void widen(Dense& Y, Eigen::Index count) {
     Y.conservativeResize(rows_, Y.cols() + count);
-    for (Index c = Y.cols() - count; c < Y.cols(); ++c) Y.col(c) = start_vector(rows_, options_.seed + seeds_++);
+    for (Eigen::Index c = Y.cols() - count; c < Y.cols(); ++c) Y.col(c) = start_vector(rows_, options_.seed + seeds_++);
   }
 
   /// Y <- X = (S - sigma M)^-1 M Y, then its Ritz vectors X C, with X^H S X C = X^H M X C diag(values); the Ritz
@@ -90,7 +89,7 @@ class InverseIteration {
     Dense X(rows_, Y.cols());
     static_cast<void>(inverse_.solver->solve(times(problem_.M, Y), X));
     // Without the scale of the matrices, so that Gram matrices do not underflow.
-    for (Index c = 0; c < X.cols(); ++c) X.col(c).normalize();
+    for (Eigen::Index c = 0; c < X.cols(); ++c) X.col(c).normalize();
     const Dense M = X.adjoint() * times(problem_.M, X);
     const Dense S = X.adjoint() * times(problem_.S, X);
     const Ritz ritz = rayleigh_ritz(S, M, X.cols(), dependent);
@@ -101,13 +100,13 @@ class InverseIteration {
 
   [[nodiscard]] Dense times(const HermitianMatrix& A, const Dense& X) const {
     Dense product(rows_, X.cols());
-    for (Index c = 0; c < X.cols(); ++c) hermitian_product(A, X.col(c).data(), product.col(c).data());
+    for (Eigen::Index c = 0; c < X.cols(); ++c) hermitian_product(A, X.col(c).data(), product.col(c).data());
     return product;
   }
 
   const EigenProblem& problem_;
   const EigenOptions& options_;
-  Index rows_;
+  Eigen::Index rows_;
   ShiftInverted inverse_;
   std::uint64_t seeds_ = 0;
 };

@@ -15,17 +15,15 @@
 namespace alcap::detail {
 namespace {
 
-using Index = Eigen::Index;
-
 /// Most basis vectors: 640 bytes a complex row, well below the factor's. After a restart the better half stays.
-constexpr Index basis_size = 40;
-constexpr Index kept = 16;
+constexpr Eigen::Index basis_size = 40;
+constexpr Eigen::Index kept = 16;
 /// Ritz values this close, relatively, to the first may be copies of it.
 constexpr double copy = 1e-6;
 /// The second eigenvalue is an information, not the result: its Ritz vector this good gives it to about 1e-3. It is
 /// waited for so many solves.
 constexpr double next_tolerance = 1e-3;
-constexpr Index solves_for_next = 12;
+constexpr Eigen::Index solves_for_next = 12;
 /// When the recurrence promises this fraction of the true residual, the rest is rounding in the solves. Steps of
 /// inverse iteration remove it, at most so many, as long as each leaves no more than this part.
 constexpr double limited = 1e-2;
@@ -34,11 +32,11 @@ constexpr double polished = 0.5;
 /// Where the promise turned out too good, the next one has to be better by as much, and twice that.
 constexpr double caution = 2;
 
-Index place_of_second(const RitzPairs& ritz) {
+Eigen::Index place_of_second(const RitzPairs& ritz) {
   const VectorX<double>& theta = ritz.values;
-  const Index k = theta.size();
+  const Eigen::Index k = theta.size();
   if (k < 2) return 1;
-  Index place = 2;
+  Eigen::Index place = 2;
   while (place < k && theta[k - place] > (1 - copy) * theta[k - 1]) ++place;
   return place;
 }
@@ -47,7 +45,7 @@ Index place_of_second(const RitzPairs& ritz) {
 struct Inverse {
   using Scalar = double;
   const LanczosProblem& problem;
-  [[nodiscard]] Index rows() const { return problem.rows(); }
+  [[nodiscard]] Eigen::Index rows() const { return problem.rows(); }
   void perform_op(const double* x, double* y) const { problem.apply(x, y); }
 };
 
@@ -56,7 +54,7 @@ struct Inverse {
 struct Mass {
   using Scalar = double;
   const LanczosProblem& problem;
-  [[nodiscard]] Index rows() const { return problem.rows(); }
+  [[nodiscard]] Eigen::Index rows() const { return problem.rows(); }
   void perform_op(const double* x, double* y) const {
     problem.mass(x, y);
     Eigen::Map<VectorX<double>>(y, rows()) *= static_cast<double>(rows()) / (2 * problem.size());
@@ -72,7 +70,7 @@ class LanczosLoop::Process {
   Process(LanczosProblem& problem, const EigenOptions& options)
       : problem_(problem),
         options_(options),
-        size_(std::min<Index>(basis_size, problem.rows() - 1)),
+        size_(std::min<Eigen::Index>(basis_size, problem.rows() - 1)),
         op_{problem},
         mass_{problem},
         basis_(Operators(op_, mass_), size_) {}
@@ -80,14 +78,14 @@ class LanczosLoop::Process {
   void run(const double* start) {
     Eigen::Map<const VectorX<double>> from(start, problem_.rows());
     basis_.init(from, solves_);
-    Index stop_next = options_.max_iterations;  // when to stop waiting for the second Ritz value
+    Eigen::Index stop_next = options_.max_iterations;  // when to stop waiting for the second Ritz value
     bool found = false;
-    for (Index k = 1;; ++k) {
+    for (Eigen::Index k = 1;; ++k) {
       check_cancelled(options_.cancel);
       ritz_ = hermitian_eigenpairs<double>(basis_.matrix_H().topLeftCorner(k, k));
       if (!found && correction_ * promised_residual() <= options_.residual_tolerance()) {
         found = accept();
-        if (found) stop_next = std::min<Index>(stop_next, solves_ + solves_for_next);
+        if (found) stop_next = std::min<Eigen::Index>(stop_next, solves_ + solves_for_next);
       }
       const bool give_up = solves_ >= options_.max_iterations;
       if ((found && (second_is_good() || solves_ >= stop_next)) || give_up) {
@@ -105,7 +103,7 @@ class LanczosLoop::Process {
   [[nodiscard]] int solves() const { return static_cast<int>(solves_); }
   [[nodiscard]] const RitzPairs& ritz() const { return ritz_; }
 
-  void ritz_vectors(Index count, double* out) const {
+  void ritz_vectors(Eigen::Index count, double* out) const {
     Eigen::Map<MatrixX<double>>(out, problem_.rows(), count).noalias() =
         basis_.matrix_V().leftCols(ritz_.values.size()) * ritz_.vectors.rightCols(count);
   }
@@ -114,7 +112,7 @@ class LanczosLoop::Process {
   /// The residual of the first Ritz pair by the recurrence, but for |M y|, for which the guess is that of a uniform
   /// vector.
   [[nodiscard]] double promised_residual() const {
-    const Index k = ritz_.values.size();
+    const Eigen::Index k = ritz_.values.size();
     const double theta = ritz_.values[k - 1];
     const double difference = problem_.shifted_norm(basis_.vector_f().data());
     const double uniform = 2 * problem_.size() / static_cast<double>(problem_.rows());
@@ -125,7 +123,7 @@ class LanczosLoop::Process {
   /// Forms the first Ritz vector and says whether to stop: its true residual is good enough, or rounding does not let
   /// it get better.
   bool accept() {
-    const Index k = ritz_.values.size();
+    const Eigen::Index k = ritz_.values.size();
     problem_.vector().noalias() = basis_.matrix_V().leftCols(k) * ritz_.vectors.col(k - 1);
     double residual = problem_.check();
     const double promised = promised_residual();
@@ -144,20 +142,20 @@ class LanczosLoop::Process {
   }
 
   [[nodiscard]] bool second_is_good() const {
-    const Index k = ritz_.values.size();
+    const Eigen::Index k = ritz_.values.size();
     if (k < 2) return false;
-    const Index at = k - place_of_second(ritz_);
+    const Eigen::Index at = k - place_of_second(ritz_);
     return std::abs(ritz_.vectors(k - 1, at)) * basis_.f_norm() <= next_tolerance * ritz_.values[at];
   }
 
   LanczosProblem& problem_;
   const EigenOptions& options_;
-  Index size_;  // most basis vectors
+  Eigen::Index size_;  // most basis vectors
   Inverse op_;
   Mass mass_;
   LanczosRecurrence<Operators> basis_;
   RitzPairs ritz_;
-  Index solves_ = 0;
+  Eigen::Index solves_ = 0;
   double correction_ = 1;  // what the last true residual taught
 };
 
@@ -167,7 +165,7 @@ LanczosLoop::~LanczosLoop() = default;
 void LanczosLoop::run(const double* start) { process_->run(start); }
 int LanczosLoop::solves() const { return process_->solves(); }
 const RitzPairs& LanczosLoop::ritz() const { return process_->ritz(); }
-Index LanczosLoop::second_place() const { return place_of_second(process_->ritz()); }
-void LanczosLoop::ritz_vectors(Index count, double* out) const { process_->ritz_vectors(count, out); }
+Eigen::Index LanczosLoop::second_place() const { return place_of_second(process_->ritz()); }
+void LanczosLoop::ritz_vectors(Eigen::Index count, double* out) const { process_->ritz_vectors(count, out); }
 
 }  // namespace alcap::detail

@@ -12,7 +12,6 @@
 namespace alcap::detail {
 namespace {
 
-using Eigen::Index;
 using Vector = VectorX<double>;
 
 class RealProblem final : public LanczosProblem {

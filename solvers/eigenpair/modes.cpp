@@ -22,12 +22,11 @@ namespace {
 
 using std::complex;
 using Dense = MatrixX<complex<double>>;
-using Eigen::Index;
 
 /// Eigenvalues this close, relative to max(lambda, 1/area), make a cluster.
 constexpr double cluster_width = 1e-6;
 /// Basis vectors beyond those wanted, and at least; after a restart half of them stay.
-constexpr Index basis_beyond = 20, smallest_basis = 30;
+constexpr Eigen::Index basis_beyond = 20, smallest_basis = 30;
 /// Directions that carry less than this of the block are rounding of double precision.
 constexpr double dependent = 1e-14;
 /// A new basis vector with less than this left of it is in the span already.
@@ -37,11 +36,11 @@ constexpr int most_searches = 12;
 /// Steps of subspace iteration on vectors whose Ritz estimates promised too much.
 constexpr int most_polishes = 5;
 /// Without a proof: this many more are looked for behind the ones found, orthogonal to them.
-constexpr Index guard = 1;
+constexpr Eigen::Index guard = 1;
 
 class Modes {
  public:
-  Modes(const EigenProblem& problem, const EigenOptions& options, Index wanted)
+  Modes(const EigenProblem& problem, const EigenOptions& options, Eigen::Index wanted)
       : problem_(problem), options_(options), rows_(problem.S.rows()), wanted_(wanted) {}
 
   EigenModes run(const std::string& method) {
@@ -71,7 +70,7 @@ class Modes {
 
   [[nodiscard]] Dense times(const HermitianMatrix& A, const Dense& X) const {
     Dense product(rows_, X.cols());
-    for (Index c = 0; c < X.cols(); ++c) hermitian_product(A, X.col(c).data(), product.col(c).data());
+    for (Eigen::Index c = 0; c < X.cols(); ++c) hermitian_product(A, X.col(c).data(), product.col(c).data());
     return product;
   }
 
@@ -94,10 +93,10 @@ class Modes {
   }
 
   /// The largest residual of the first `count` vectors.
-  [[nodiscard]] double worst(Index count) const {
+  [[nodiscard]] double worst(Eigen::Index count) const {
     ComplexVector u, Su, Mu;
     double residual = 0;
-    for (Index k = 0; k < std::min(count, X_.cols()); ++k) {
+    for (Eigen::Index k = 0; k < std::min(count, X_.cols()); ++k) {
       u = X_.col(k);
       const PairCheck check = check_pair(problem_, u, Su, Mu);
       residual = std::max({residual, check.residual, check.energy});
@@ -110,15 +109,16 @@ class Modes {
     Dense Y(rows_, X_.cols());
     static_cast<void>(inverse_.solver->solve(times(problem_.M, X_), Y));
     iterations_ += static_cast<int>(X_.cols());
-    for (Index c = 0; c < Y.cols(); ++c) Y.col(c).normalize();
+    for (Eigen::Index c = 0; c < Y.cols(); ++c) Y.col(c).normalize();
     X_ = std::move(Y);
     ritz();
   }
 
   void iterate_subspace() {
-    const Index block = std::min(rows_, wanted_ + std::max<Index>(4, wanted_ / 2));
+    const Eigen::Index block = std::min(rows_, wanted_ + std::max<Eigen::Index>(4, wanted_ / 2));
     X_.resize(rows_, block);
-    for (Index c = 0; c < block; ++c) X_.col(c) = start_vector(rows_, options_.seed + static_cast<std::uint64_t>(c));
+    for (Eigen::Index c = 0; c < block; ++c)
+      X_.col(c) = start_vector(rows_, options_.seed + static_cast<std::uint64_t>(c));
     while (iterations_ < options_.max_iterations) {
       step_subspace();
       if (worst(wanted_) <= options_.residual_tolerance()) break;
@@ -126,20 +126,20 @@ class Modes {
   }
 
   /// y minus its parts along the columns of B, twice is enough (Parlett 1998); MB = M B.
-  static void orthogonalise(ComplexVector& y, const Dense& B, const Dense& MB, Index count) {
+  static void orthogonalise(ComplexVector& y, const Dense& B, const Dense& MB, Eigen::Index count) {
     for (int round = 0; round < 2 && count > 0; ++round) y -= B.leftCols(count) * (MB.leftCols(count).adjoint() * y);
   }
 
   /// `count` eigenvectors orthogonal to X, appended to it.
-  void search(Index count, std::uint64_t seed) {
-    const Index room = rows_ - X_.cols();
+  void search(Eigen::Index count, std::uint64_t seed) {
+    const Eigen::Index room = rows_ - X_.cols();
     count = std::min(count, room);
     if (count <= 0) return;
-    const Index size = std::min(room, std::max(smallest_basis, count + basis_beyond));
+    const Eigen::Index size = std::min(room, std::max(smallest_basis, count + basis_beyond));
     const Dense MX = times(problem_.M, X_);
     Dense V(rows_, size + 1), MV(rows_, size + 1), H = Dense::Zero(size + 1, size + 1);
     ComplexVector v = start_vector(rows_, seed), Mv(rows_);
-    Index k = 0;
+    Eigen::Index k = 0;
     double next_length = 0;
     const auto append = [&] {
       orthogonalise(v, X_, MX, X_.cols());
@@ -166,15 +166,15 @@ class Modes {
       H.row(k - 1).head(k) = H.col(k - 1).head(k).adjoint();
       const bool more = append() && next_length > exhausted * before;
       pairs = hermitian_eigenpairs<complex<double>>(H.topLeftCorner(k, k));
-      const Index found = std::min(count, k);
+      const Eigen::Index found = std::min(count, k);
       double left = 0;  // of the last wanted Ritz pair, relative
-      for (Index i = 0; i < found; ++i)
+      for (Eigen::Index i = 0; i < found; ++i)
         left = std::max(left, next_length * std::abs(pairs.vectors(k - 1, k - 1 - i)) / pairs.values[k - 1 - i]);
       const bool done = k >= count && left <= 0.1 * options_.residual_tolerance();
       if (done || !more || iterations_ >= options_.max_iterations || k == room) break;
       if (k < size) continue;
       // Thick restart: the better half of the Ritz vectors and the next basis vector.
-      const Index keep = std::min(k - 1, std::max(count + basis_beyond / 2, size / 2));
+      const Eigen::Index keep = std::min(k - 1, std::max(count + basis_beyond / 2, size / 2));
       const Dense best = pairs.vectors.rightCols(keep);
       const ComplexVector last = V.col(k), M_last = MV.col(k);
       V.leftCols(keep) = (V.leftCols(k) * best).eval();
@@ -185,8 +185,8 @@ class Modes {
       H.diagonal().head(keep) = pairs.values.tail(keep).cast<complex<double>>();
       k = keep;
     }
-    const Index found = std::min(count, k);
-    const Index old = X_.cols();
+    const Eigen::Index found = std::min(count, k);
+    const Eigen::Index old = X_.cols();
     X_.conservativeResize(rows_, old + found);
     X_.rightCols(found) = V.leftCols(k) * pairs.vectors.rightCols(found);
     ritz();
@@ -206,19 +206,19 @@ class Modes {
       if (result.smallest == Smallest::not_checked) {
         // Copies of multiple eigenvalues: until a search finds nothing among those wanted.
         const double last = values_[std::min(wanted_, X_.cols()) - 1];
-        const Index before = below(last + cluster_width * scale(last));
+        const Eigen::Index before = below(last + cluster_width * scale(last));
         if (X_.cols() >= rows_ || round == most_searches) return;
         search(guard, options_.seed + static_cast<std::uint64_t>(round));
         if (X_.cols() >= wanted_ && below(last + cluster_width * scale(last)) == before) return;
         continue;
       }
       if (missing <= 0) return;
-      search(static_cast<Index>(missing) + guard, options_.seed + static_cast<std::uint64_t>(round));
+      search(static_cast<Eigen::Index>(missing) + guard, options_.seed + static_cast<std::uint64_t>(round));
     }
   }
 
   /// Of the values found.
-  [[nodiscard]] Index below(double sigma) const { return (values_.array() < sigma).cast<Index>().sum(); }
+  [[nodiscard]] Eigen::Index below(double sigma) const { return (values_.array() < sigma).cast<Eigen::Index>().sum(); }
 
   /// Counts what lies below the last one wanted; how many are missing there.
   std::int64_t prove(EigenModes& result) {
@@ -238,13 +238,13 @@ class Modes {
   }
 
   void conclude(EigenModes& result) {
-    const Index count = std::min(wanted_, X_.cols());
+    const Eigen::Index count = std::min(wanted_, X_.cols());
     result.U.resize(rows_, count);
     result.lambda.resize(count);
     result.residual.resize(count);
     result.converged = count == wanted_;
     ComplexVector u, Su, Mu;
-    for (Index k = 0; k < count; ++k) {
+    for (Eigen::Index k = 0; k < count; ++k) {
       u = X_.col(k);
       fix_phase(u);
       const PairCheck check = check_pair(problem_, u, Su, Mu);
@@ -265,7 +265,7 @@ class Modes {
 
   const EigenProblem& problem_;
   const EigenOptions& options_;
-  Index rows_, wanted_;
+  Eigen::Index rows_, wanted_;
   ShiftInverted inverse_;
   std::optional<EigenvalueCounter> counter_;
   Dense X_;                 // Ritz vectors
