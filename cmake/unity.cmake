@@ -5,9 +5,10 @@
 
 # alcap_unity(target): one translation unit per folder of the target's sources, or several of a folder with more than
 # 1,400 lines, so that all cores have work. The copies for an instruction set stay alone (they have flags of their own), and
-# so do generated files. A folder's files share one namespace: what is local to a file needs a name of its own there, or a
-# namespace, as field_parts in field_command.cpp, and `using` must not give another meaning to a name of the library.
-set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology")
+# so do generated files, and classes whose members have types that are local to their file. A folder's files share one
+# namespace: what is local to a file needs a name of its own there, or a namespace, as field_parts in field_command.cpp,
+# and `using` must not give another meaning to a name of the library.
+set(alcap_alone "^src/simd/|^src/connection/(global|trivial)|^src/mesh/homology|^solvers/eigenpair/lanczos_loop")
 function(alcap_unity target)
   if(NOT ALCAP_UNITY)
     return()

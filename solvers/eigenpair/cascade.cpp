@@ -57,7 +57,7 @@ constexpr double close_settled = 1e-5;
 /// A block ends where eigenvalues have grown by this factor: what lies beyond converges fast. Blocks of 4 cost little
 /// less than blocks of 8, so they are for clear gaps.
 constexpr double gap_of_4 = 1.3;
-constexpr double gap = 1.1;
+constexpr double clear_gap = 1.1;
 /// Refinement that needs more iterations than this would be slower than a factorisation.
 constexpr int refine_limit = 100;
 /// A level with so many unknowns for each state below the smallest eigenvalue (states_below()) orders states rightly to
@@ -226,7 +226,9 @@ class Cascade {
     if (values.size() < K) return {};
     if (l == 0) return finest<K>(std::move(x), values);
     // The coarsest level knows the spectrum roughly: a block that turns out too small is done again.
-    const auto enough = [&](int k) { return k < K && values[k] >= (k == narrow_block ? gap_of_4 : gap) * values[0]; };
+    const auto enough = [&](int k) {
+      return k < K && values[k] >= (k == narrow_block ? gap_of_4 : clear_gap) * values[0];
+    };
     Refined result = too_narrow();
     if (K == narrow_block || enough(narrow_block)) result = down<narrow_block, K>(l, x, values);
     if constexpr (K >= usual_block) {

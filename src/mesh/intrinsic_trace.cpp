@@ -14,7 +14,7 @@ namespace {
 using C = Complex<double>;
 
 // A walk crosses a few faces per length of an edge; many more than this means lengths too far apart for rounding.
-constexpr int longest_walk = 1000000;
+constexpr int longest_trace = 1000000;
 // Coordinates below this are those of a corner: lines through it leave in their own direction.
 constexpr double at_corner = 1e-12;
 
@@ -84,7 +84,7 @@ IntrinsicTrace::Walk IntrinsicTrace::leave(Index corner, double angle, double le
 template <class Passed>
 void IntrinsicTrace::follow(Walk& walk, Passed&& passed) const {
   const Mesh& mesh = now_.surface.mesh();
-  for (int step = 0; step < longest_walk; ++step) {
+  for (int step = 0; step < longest_trace; ++step) {
     check_cancelled_at(step);
     const std::array<C, 3> p = corners(walk.face);
     Index out = none;
