@@ -38,7 +38,7 @@ struct DesignRunOptions {
   /// As of run_field(). Faces, points and lines of the design are found on the triangles it is solved on, straight
   /// ways along the surface; what the design gives per vertex is harmonic between the mesh's own.
   Triangulation triangulation = Triangulation::automatic;
-  double min_angle = 20 * pi<double> / 180;  // radians, see FieldRunOptions::min_angle
+  double min_angle = 15 * pi<double> / 180;  // radians, see FieldRunOptions::min_angle
   int threads = 0;                           // 0: as many as the machine has; results do not depend on it
   /// Called on the calling thread when a phase starts: "connection", "guidance", "prepare", "solve", "analysis". An
   /// exception thrown here ends the run and reaches the caller.

@@ -73,9 +73,10 @@ struct FieldRunOptions {
   Triangulation triangulation = Triangulation::automatic;  // needles cost time and digits, good triangles nothing
   /// Of the intrinsic triangulation, radians, see IntrinsicOptions. Corners that the surface itself has may be smaller,
   /// and where a budget ends it SolvedTriangulation::complete is false. Above 0 no circumcircle is larger than 1.5
-  /// times that of a triangle of the mean area either: with large ones eigenvalues of needles are percents off.
+  /// times that of a triangle of the mean area either: with large ones eigenvalues of needles are percents off. On a
+  /// shaft of 82,000 needles 15 degrees take a fifth fewer triangles than 20 and change the eigenvalue by 1e-5 of it.
   /// 0: flips alone.
-  double min_angle = 20 * pi<double> / 180;
+  double min_angle = 15 * pi<double> / 180;
   bool normalise = false;  // true: divide by |u| afterwards, an n-direction field
   int threads = 0;         // 0: as many as the machine has; results do not depend on it
   /// Called on the calling thread when a phase starts: "mesh", "connection", "solve", "analysis". An exception thrown

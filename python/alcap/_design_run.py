@@ -41,7 +41,7 @@ class DesignRun(Run):
         return self._run.triangulation
 
 
-_MIN_ANGLE = 20 * np.pi / 180
+_MIN_ANGLE = 15 * np.pi / 180
 
 
 def _design_text(design: Any) -> Tuple[str, str]:

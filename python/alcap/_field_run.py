@@ -126,7 +126,7 @@ class FieldRun(Run):
         return self._run.face_of
 
 
-_MIN_ANGLE = 20 * np.pi / 180
+_MIN_ANGLE = 15 * np.pi / 180
 
 
 def _how(n: int, s: float, normalise: bool, align: Align, modes: int = 1, repairs: Sequence[str] = (),

@@ -17,6 +17,8 @@ namespace alcap::detail {
 using HermitianMatrix = SparseMatrix<std::complex<double>>;
 using ComplexVector = ComplexVectorX<double>;
 
+class EigenvalueCounter;
+
 /// What a vector is worth as an eigenvector.
 struct PairCheck {
   double lambda = 0;    ///< Rayleigh quotient
@@ -108,8 +110,17 @@ inline constexpr double next_accuracy = 1e-3;
 /// Fills in `smallest`, `lower_bound` and `smallest_note`, and keeps `next` only where it is established. A pair that
 /// is refuted is replaced by the smallest one. `own`: `next` comes from a method of the library, which makes it an
 /// upper bound of the second eigenvalue. `memory`: bytes that the factorisation may take, by default half of what the
-/// system could still give; where that is too little an independent search takes its place.
+/// system could still give; where that is too little an independent search takes its place. `counter`: of this problem,
+/// where plan_proof() has found it cheap.
 void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,
-                    std::optional<double> memory = {});
+                    std::optional<double> memory = {}, std::shared_ptr<const EigenvalueCounter> counter = {});
+
+/// Before a solve by LOBPCG that may be followed by a proof: what the proof needs, where it takes no longer than such a
+/// solve usually does. Null where it would, and `options` then ask for none: the solve has to rest on itself, and does
+/// not end where only a proof would have made its end right.
+[[nodiscard]] std::shared_ptr<const EigenvalueCounter> plan_proof(const EigenProblem& problem, EigenOptions& options);
+/// EigenReport::smallest_note of what plan_proof() decided.
+inline constexpr const char* proof_takes_longer =
+    "a proof would take longer than the solve did: EigenOptions::prove_smallest asks for it";
 
 }  // namespace alcap::detail

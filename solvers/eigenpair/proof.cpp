@@ -23,6 +23,8 @@ namespace {
 /// operations per row and iteration, or so many in all (a twentieth of a second).
 constexpr Eigen::Index automatic_rows = 200'000;
 constexpr double automatic_per_iteration = 4000, automatic_flops = 1e9;
+/// Iterations that a solve by LOBPCG takes, where they are not known yet.
+constexpr double usual_iterations = 10;
 /// Of the memory that the system could still give.
 constexpr double memory_part = 0.5;
 /// Growth of entries up to which a count is believed: six of sixteen digits are left, and sigma keeps its distance from
@@ -47,9 +49,19 @@ double scale_of(const EigenProblem& problem, double lambda) { return std::max(st
 
 enum class Verdict { proven, refuted, undecided };
 
+/// Whether a count takes no longer than so many iterations of LOBPCG.
+bool cheap_beside(const EigenvalueCounter& counter, Eigen::Index rows, double iterations) {
+  const double solve = automatic_per_iteration * static_cast<double>(rows) * iterations;
+  return counter.fronts().flops() <= std::max(automatic_flops, solve);
+}
+
 class Proof {
  public:
-  Proof(const EigenProblem& problem, EigenResult& result) : problem_(problem), result_(result), counter_(problem) {}
+  Proof(const EigenProblem& problem, EigenResult& result, std::shared_ptr<const EigenvalueCounter> counter)
+      : problem_(problem),
+        result_(result),
+        counted_(counter ? std::move(counter) : std::make_shared<const EigenvalueCounter>(problem)),
+        counter_(*counted_) {}
 
   [[nodiscard]] bool fits(std::optional<double> memory) const {
     const double available = memory.value_or(memory_part * static_cast<double>(available_memory_bytes()));
@@ -58,8 +70,7 @@ class Proof {
   /// Beside the solve. What LOBPCG needs is known; other methods factorise themselves.
   [[nodiscard]] bool cheap() const {
     if (result_.report.solver.find("LOBPCG") != 0) return true;
-    const double solve = automatic_per_iteration * static_cast<double>(problem_.S.rows()) * result_.report.iterations;
-    return counter_.fronts().flops() <= std::max(automatic_flops, solve);
+    return cheap_beside(counter_, problem_.S.rows(), result_.report.iterations);
   }
 
   /// Whether the pair at hand is the smallest; sets the bound and the next one.
@@ -115,7 +126,8 @@ class Proof {
 
   const EigenProblem& problem_;
   EigenResult& result_;
-  EigenvalueCounter counter_;
+  std::shared_ptr<const EigenvalueCounter> counted_;
+  const EigenvalueCounter& counter_;
 };
 
 /// Adopts what another solve found; `from` says what was wrong with the result before.
@@ -246,8 +258,17 @@ bool asks_for_proof(const EigenOptions& options, Eigen::Index rows) {
          (options.prove_smallest == Prove::automatic && rows <= automatic_rows);
 }
 
+std::shared_ptr<const EigenvalueCounter> plan_proof(const EigenProblem& problem, EigenOptions& options) {
+  if (options.prove_smallest != Prove::automatic || !asks_for_proof(options, problem.S.rows())) return nullptr;
+  const ControlScope scope(options.cancel);
+  auto counter = std::make_shared<const EigenvalueCounter>(problem);
+  if (cheap_beside(*counter, problem.S.rows(), usual_iterations)) return counter;
+  options.prove_smallest = Prove::never;
+  return nullptr;
+}
+
 void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,
-                    std::optional<double> memory) {
+                    std::optional<double> memory, std::shared_ptr<const EigenvalueCounter> counter) {
   if (result.report.smallest == Smallest::proven) return;
   const Stopwatch timer;
   const auto unchecked = [&](std::string why) { result.report.smallest_note = std::move(why); };
@@ -257,11 +278,11 @@ void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bo
   if (!asks_for_proof(options, problem.S.rows()))
     return unchecked("more than " + std::to_string(automatic_rows) + " rows: EigenOptions::prove_smallest asks for it");
   const ControlScope scope(options.cancel);
-  Proof proof(problem, result);
-  if (options.prove_smallest == Prove::automatic && !proof.cheap()) {
+  const bool planned = counter != nullptr;
+  Proof proof(problem, result, std::move(counter));
+  if (options.prove_smallest == Prove::automatic && !planned && !proof.cheap()) {
     look_on_patches(problem, options, result);
-    if (result.report.smallest_note.empty())
-      unchecked("a proof would take longer than the solve did: EigenOptions::prove_smallest asks for it");
+    if (result.report.smallest_note.empty()) unchecked(proof_takes_longer);
     return;
   }
   if (!proof.fits(memory)) {

@@ -20,6 +20,9 @@ constexpr double own_sector = pi<double> / 3;
 constexpr int longest_walk = 10000, widest_influence = 500;
 // A vertex nearer to an edge than this part of the face is put on it.
 constexpr double on_edge = 1e-6;
+// New vertices lie no further from the shortest edge of a skinny triangle than where they see it under the smallest
+// angle asked for, by this much nearer (Uengoer 2009): the circle's centre makes more of them than are needed.
+constexpr double off_centre = 0.9;
 // Sweeps over all edges, for those that became free to flip after they had been asked; one or two are usual.
 constexpr int most_sweeps = 100;
 
@@ -95,6 +98,7 @@ Refinement::Refinement(IntrinsicMesh& mesh, DelaunayFlips& flips, const Intrinsi
                                       : std::numeric_limits<double>::infinity()) {
   constexpr double numbered = 1e9;  // well below 2^31 halfedges
   most_ = static_cast<Index>(std::min(numbered / 6, (1 + options.most_vertices) * mesh.vertices()));
+  for (Index e = 0; e < mesh.edges() && !any_fixed_; ++e) any_fixed_ = mesh.fixed(e);
 }
 
 /// Whether the corner of h belongs to a sector between fixed edges, or a pointed vertex, that is small itself.
@@ -125,11 +129,11 @@ double Refinement::squared_radius(Index t) const {
   return radius * radius;
 }
 
-bool Refinement::bad(Index t) const {
+bool Refinement::skinny(Index t) const {
   Index sharpest = 3 * t;
   for (Index h = 3 * t + 1; h < 3 * t + 3; ++h)
     if (mesh_.cot(h) > mesh_.cot(sharpest)) sharpest = h;
-  return squared_radius(t) > largest_ || (mesh_.cot(sharpest) > cot_ && !own_corner(sharpest));
+  return mesh_.cot(sharpest) > cot_ && !own_corner(sharpest);
 }
 
 /// Whether the corner opposite the fixed edge of h is obtuse; not where it belongs to another fixed edge that meets
@@ -142,7 +146,7 @@ bool Refinement::encroached(Index h) const {
 void Refinement::look_at(Index t) {
   for (Index h = 3 * t; h < 3 * t + 3; ++h)
     if (mesh_.fixed(mesh_.edge(h)) && encroached(h)) halves_.push_back(mesh_.edge(h));
-  if (!bad(t)) return;
+  if (!(squared_radius(t) > largest_ || skinny(t))) return;
   bad_[std::ilogb(squared_radius(t))].push_back({t, {mesh_.cot(3 * t), mesh_.cot(3 * t + 1)}});
 }
 
@@ -155,11 +159,17 @@ Points Refinement::across(const Points& p, std::size_t k, Index g) const {
   return {b, a, Point{b[0] + apex[0] * x - apex[1] * y, b[1] + apex[0] * y + apex[1] * x}};
 }
 
-Refinement::Place Refinement::walk_to_centre(Index t) const {
-  Place place{.face = t, .hit = none, .corner = 3 * t, .p = mesh_.layout(3 * t), .target = {}};
+Refinement::Place Refinement::walk_to_cure(Index t) const {
+  Index shortest = 3 * t;
+  for (Index h = 3 * t + 1; h < 3 * t + 3; ++h)
+    if (mesh_.length(mesh_.edge(h)) < mesh_.length(mesh_.edge(shortest))) shortest = h;
+  Place place{.face = t, .hit = none, .corner = shortest, .p = mesh_.layout(shortest), .target = {}};
   const Point& apex = place.p[2];
   const double side = place.p[1][0];
-  place.target = {side / 2, (apex[0] * apex[0] + apex[1] * apex[1] - side * apex[0]) / (2 * apex[1])};
+  const double centre = (apex[0] * apex[0] + apex[1] * apex[1] - side * apex[0]) / (2 * apex[1]);
+  // Half the side times the cotangent of half the angle.
+  const double off = off_centre * side / 2 * (cot_ + std::hypot(1.0, cot_));
+  place.target = {side / 2, skinny(t) ? std::min(centre, off) : centre};
   for (int step = 0; step < longest_walk; ++step) {
     std::size_t out = 3;
     double farthest = 0;
@@ -187,6 +197,7 @@ Refinement::Place Refinement::walk_to_centre(Index t) const {
 
 /// A fixed edge in whose circle a vertex at the target would lie; `none`.
 Index Refinement::influenced(const Place& place) const {
+  if (!any_fixed_) return none;
   struct Step {
     Points p;
     Index corner;
@@ -287,7 +298,7 @@ bool Refinement::same(const Bad& bad) const {
 }
 
 void Refinement::cure(const Bad& worst) {
-  const Place place = walk_to_centre(worst.face);
+  const Place place = walk_to_cure(worst.face);
   if (place.face == none) return;
   const Index fixed = place.hit != none ? place.hit : influenced(place);
   if (fixed == none) {

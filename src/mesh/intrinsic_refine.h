@@ -3,8 +3,9 @@
 // intrinsic_refine.h: flips until all edges are Delaunay, and Ruppert's refinement in the surface. Internal to
 // src/mesh.
 //
-// A bad triangle is cured by a vertex at the centre of its circle, found by walking straight from the triangle. Where
-// the way, or the centre's influence, meets a fixed edge, that edge is halved instead. Corners between fixed edges and
+// A bad triangle is cured by a vertex at the centre of its circle, or nearer to its shortest edge where that is enough
+// (off-centres: Uengoer 2009), found by walking straight from the triangle. Where the way, or the vertex's influence,
+// meets a fixed edge, that edge is halved instead. Corners between fixed edges and
 // at pointed vertices are the surface's own and stay. All choices are made in the order of a queue, serially: so the
 // result does not depend on threads.
 #pragma once
@@ -67,12 +68,13 @@ class Refinement {
 
   [[nodiscard]] bool own_corner(Index h) const;
   [[nodiscard]] double squared_radius(Index t) const;
-  [[nodiscard]] bool bad(Index t) const;
+  /// Whether it has a corner that is too small and not the surface's own.
+  [[nodiscard]] bool skinny(Index t) const;
   [[nodiscard]] bool encroached(Index h) const;
   void look_at(Index t);
   [[nodiscard]] bool same(const Bad& bad) const;
   void cure(const Bad& worst);
-  [[nodiscard]] Place walk_to_centre(Index t) const;
+  [[nodiscard]] Place walk_to_cure(Index t) const;
   [[nodiscard]] IntrinsicMesh::Points across(const IntrinsicMesh::Points& p, std::size_t k, Index g) const;
   [[nodiscard]] Index influenced(const Place& place) const;
   void halve(Index e);
@@ -85,6 +87,7 @@ class Refinement {
   double largest_;  // squared radius
   Index most_;
   bool complete_ = true;
+  bool any_fixed_ = false;
   std::map<int, std::vector<Bad>> bad_;  // by the octave of the squared radius
   std::vector<Index> halves_;            // fixed edges to be halved
 };

@@ -49,7 +49,7 @@ DesignRun compared(const DesignFile& design, double least) {
   const DesignRun without = run_design(good(), design), with = run_design(bad(), design);
   CHECK_FALSE(without.triangulation);
   REQUIRE(with.triangulation);
-  CHECK(with.triangulation->after.angle_min > 19.9 * pi<double> / 180);
+  CHECK(with.triangulation->after.angle_min > 14.9 * pi<double> / 180);
   CHECK(with.certificate.holds());
   CHECK(with.field.u.size() == bad().mesh().vertices());
   CHECK(with.index_sums[0].sum == 2 * design.n);

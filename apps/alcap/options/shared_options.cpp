@@ -115,7 +115,7 @@ void add_triangulation_options(cli::App& app, Triangulation& triangulation, doub
          "--min-angle", [&](double degrees) { min_angle = degrees * pi<double> / 180; },
          "Corners of the better triangles, at least, in degrees; 0 adds no vertices to them")
       ->type_name("DEGREES")
-      ->default_str("20")
+      ->default_str("15")
       ->check(cli::Range(0.0, 30.0))
       ->group("Solver");
 }
