@@ -28,7 +28,7 @@ constexpr double cluster_width = 1e-6;
 /// Basis vectors beyond those wanted, and at least; after a restart half of them stay.
 constexpr Eigen::Index basis_beyond = 20, smallest_basis = 30;
 /// Directions that carry less than this of the block are rounding of double precision.
-constexpr double dependent = 1e-14;
+constexpr double dependent_modes = 1e-14;
 /// A new basis vector with less than this left of it is in the span already.
 constexpr double exhausted = 1e-12;
 /// Searches for eigenvalues that are missing.
@@ -83,10 +83,10 @@ class Modes {
     result.smallest = Smallest::proven;
   }
 
-  /// X := the Ritz vectors of its span; drops what is dependent.
+  /// X := the Ritz vectors of its span; drops what is dependent_modes.
   void ritz() {
     const Dense S = X_.adjoint() * times(problem_.S, X_), M = X_.adjoint() * times(problem_.M, X_);
-    const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), X_.cols(), dependent);
+    const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), X_.cols(), dependent_modes);
     if (ritz.values.size() == 0 || !ritz.coefficients.allFinite()) throw SolveError("the search for modes broke down");
     X_ = X_ * ritz.coefficients;
     values_ = ritz.values;
