@@ -83,7 +83,7 @@ class Modes {
     result.smallest = Smallest::proven;
   }
 
-  /// X := the Ritz vectors of its span; drops what is dependent_modes.
+  /// X := the Ritz vectors of its span; drops what is dependent.
   void ritz() {
     const Dense S = X_.adjoint() * times(problem_.S, X_), M = X_.adjoint() * times(problem_.M, X_);
     const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), X_.cols(), dependent_modes);
