@@ -111,14 +111,17 @@ inline constexpr double next_accuracy = 1e-3;
 /// is refuted is replaced by the smallest one. `own`: `next` comes from a method of the library, which makes it an
 /// upper bound of the second eigenvalue. `memory`: bytes that the factorisation may take, by default half of what the
 /// system could still give; where that is too little an independent search takes its place. `counter`: of this problem,
-/// where plan_proof() has found it cheap.
+/// from plan_proof().
 void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,
                     std::optional<double> memory = {}, std::shared_ptr<const EigenvalueCounter> counter = {});
 
 /// Before a solve by LOBPCG that may be followed by a proof: what the proof needs, where it takes no longer than such a
-/// solve usually does. Null where it would, and `options` then ask for none: the solve has to rest on itself, and does
-/// not end where only a proof would have made its end right.
+/// solve usually does. Where it would, `options` then ask for none: the solve has to rest on itself, and does not end
+/// where only a proof would have made its end right. Null where no proof is to be made in any case.
 [[nodiscard]] std::shared_ptr<const EigenvalueCounter> plan_proof(const EigenProblem& problem, EigenOptions& options);
+/// After a solve that took so many iterations: whether the proof takes no longer than it did, as it may after hard
+/// ones.
+[[nodiscard]] bool worth_proving(const EigenvalueCounter& counter, Eigen::Index rows, int iterations);
 /// EigenReport::smallest_note of what plan_proof() decided.
 inline constexpr const char* proof_takes_longer =
     "a proof would take longer than the solve did: EigenOptions::prove_smallest asks for it";

@@ -24,7 +24,7 @@ namespace {
 constexpr Eigen::Index automatic_rows = 200'000;
 constexpr double automatic_per_iteration = 4000, automatic_flops = 1e9;
 /// Iterations that a solve by LOBPCG takes, where they are not known yet.
-constexpr double usual_iterations = 10;
+constexpr double usual_iterations = 20;
 /// Of the memory that the system could still give.
 constexpr double memory_part = 0.5;
 /// Growth of entries up to which a count is believed: six of sixteen digits are left, and sigma keeps its distance from
@@ -262,9 +262,12 @@ std::shared_ptr<const EigenvalueCounter> plan_proof(const EigenProblem& problem,
   if (options.prove_smallest != Prove::automatic || !asks_for_proof(options, problem.S.rows())) return nullptr;
   const ControlScope scope(options.cancel);
   auto counter = std::make_shared<const EigenvalueCounter>(problem);
-  if (cheap_beside(*counter, problem.S.rows(), usual_iterations)) return counter;
-  options.prove_smallest = Prove::never;
-  return nullptr;
+  if (!cheap_beside(*counter, problem.S.rows(), usual_iterations)) options.prove_smallest = Prove::never;
+  return counter;
+}
+
+bool worth_proving(const EigenvalueCounter& counter, Eigen::Index rows, int iterations) {
+  return cheap_beside(counter, rows, iterations);
 }
 
 void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,

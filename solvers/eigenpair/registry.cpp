@@ -129,6 +129,8 @@ EigenResult solve_and_check(const EigenProblem& problem, const EigenOptions& opt
   EigenReport& report = result.report;
   const double lambda = report.lambda;
   const std::optional<double> approximate = report.next;
+  if (counter && worth_proving(*counter, problem.S.rows(), report.iterations))
+    planned.prove_smallest = options.prove_smallest;
   prove_smallest(problem, planned, own_method(method), result, std::nullopt, counter);
   if (planned.prove_smallest != options.prove_smallest && report.converged) report.smallest_note = proof_takes_longer;
   // To the nearest of all that are as smooth, unless the second eigenvalue is known to lie beyond them.

@@ -139,7 +139,7 @@ TEST_CASE("shafts of needles: the eigenvalue of the surface") {
 
 TEST_CASE("a proof that would take longer than the solve is not waited for: one solve, to the angle asked for") {
   // Rings of thousands of vertices make wide fronts.
-  const MeshData shaft = cad_like(5120, 1);
+  const MeshData shaft = cad_like(10240, 1);
   const FieldRun run = run_field(shaft.V, shaft.F,
                                  {.n = 4,
                                   .connection = {.kind = ConnectionKind::local},

@@ -31,6 +31,13 @@ std::map<std::string, std::string> files_of(const MeshData& s, const FieldRunOpt
 
 }  // namespace
 
+TEST_CASE("by default, the smallest eigenvalue of a smooth shape of 163,842 vertices is proven") {
+  const MeshData shape = bumpy_sphere(7, 0.3, 4);
+  const FieldRun run = run_field(shape.V, shape.F, {.n = 4});
+  CHECK(run.certificate.holds());
+  CHECK(run.eigen[0].smallest == Smallest::proven);
+}
+
 TEST_CASE("a whole run and its files are the same for 1, 2, 4 and 8 threads") {
   // Large enough for every loop to be shared; open, and with vertices that no face uses.
   for (const MeshData& s : {noisy_scan(5, 0.1, 3), with_unreferenced(torus_random_diagonals(120, 60, 1, 0.4, 2))}) {
