@@ -32,7 +32,7 @@ Control control_of(const Surface& surface, const alcap_control* given) {
     case ALCAP_BOUNDARY:
       return BoundaryAlignment{.normal = c.normal != 0, .weight = c.weight};
     default:
-      throw OptionError("kind", c.kind, "is no alcap_control_kind");
+      throw OptionError("kind", c.kind, "is not a value of alcap_control_kind");
   }
 }
 

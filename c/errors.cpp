@@ -48,7 +48,7 @@ void describe(alcap_error& out) {
     copy(out.message, e.what());
   } catch (...) {
     out.status = ALCAP_INTERNAL;
-    copy(out.message, "something was thrown that is no std::exception");
+    copy(out.message, "an exception that is not a std::exception was thrown");
   }
 }
 
@@ -85,7 +85,7 @@ ConnectionOptions connection_of(const alcap_field_options& options) {
       out.kind = ConnectionKind::polar;
       break;
     default:
-      throw OptionError("connection", options.connection, "is no alcap_connection_kind");
+      throw OptionError("connection", options.connection, "is not a value of alcap_connection_kind");
   }
   if (options.detail != 0) out.global.detail = options.detail;
   out.n = options.n;

@@ -12,7 +12,8 @@ namespace {
 /// 3 numbers a row, checked before the product can overflow.
 template <class T>
 std::span<const T> rows(const T* data, std::int64_t count, const char* name) {
-  if (count < 0 || count > (std::int64_t{1} << 31)) throw OptionError(name, count, "is no number of rows");
+  if (count < 0 || count > (std::int64_t{1} << 31))
+    throw OptionError(name, count, "must be a number of rows, in [0, 2^31]");
   if (count > 0) require(data, name);
   return {data, static_cast<std::size_t>(3 * count)};
 }

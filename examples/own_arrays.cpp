@@ -31,7 +31,7 @@ int main() {
 
   std::cout << "directions at vertex 0: (" << first.row(0) << ") and (" << second.row(0) << ")\n"
             << "smallest eigenvalue: " << run.eigen[0].lambda << "\n"
-            << "indices sum to " << run.index_sums[0].sum << " quarters, expected " << run.index_sums[0].expected
-            << "\n"
+            << "indices sum to " << static_cast<double>(run.index_sums[0].sum) / 4 << ", expected "
+            << static_cast<double>(run.index_sums[0].expected) / 4 << "\n"
             << "certified: " << (run.certificate.holds() ? "yes" : "no") << "\n";
 }

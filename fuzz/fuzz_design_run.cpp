@@ -47,6 +47,21 @@ void add_control(fuzz::Bytes& in, const MeshData& m, DesignFile& design) {
   }
 }
 
+void add_feature_options(fuzz::Bytes& in, const MeshData& m, DesignFeatures& features) {
+  features.hold = in.below(2) == 0;
+  features.across = in.below(3) == 0;
+  features.boundary = in.below(2) == 0;
+  features.corner_angle = 90 + 89 * in.real();
+  features.low_angle = in.below(3) == 0 ? features.angle / 2 : 0;
+  features.gap = in.below(3) == 0 ? in.scale(2) : 0;
+  features.spur = in.below(3) == 0 ? in.scale(2) : 0;
+  if (in.below(4) != 0) return;
+  for (int k = 1 + in.below(4); k > 0; --k) {
+    const Eigen::Index t = in.below(static_cast<int>(m.F.rows()));
+    features.edges.push_back({m.F(t, 0), m.F(t, 1)});
+  }
+}
+
 DesignFile any_design(fuzz::Bytes& in, const MeshData& m) {
   DesignFile design;
   design.n = 1 + in.below(6);
@@ -60,6 +75,7 @@ DesignFile any_design(fuzz::Bytes& in, const MeshData& m) {
   design.boundary = {.wanted = in.below(3) == 0, .normal = in.below(2) == 0, .weight = in.scale(2)};
   design.features = {.wanted = in.below(4) == 0, .angle = 90 + 89 * in.real()};
   for (int k = in.below(5); k > 0; --k) add_control(in, m, design);
+  if (design.features.wanted) add_feature_options(in, m, design.features);
   return design;
 }
 

@@ -139,6 +139,18 @@ inline void flops(benchmark::State& state, double operations) {
   state.counters["GFlop/s"] = benchmark::Counter(operations / 1e9, benchmark::Counter::kIsIterationInvariantRate);
 }
 
+/// Bytes that /proc/self/status tells under a key such as "VmRSS:". Linux only, 0 elsewhere.
+inline double status_bytes(const std::string& key) {
+  std::ifstream in("/proc/self/status");
+  for (std::string word; in >> word;)
+    if (word == key) {
+      double kilobytes = 0;
+      in >> kilobytes;
+      return 1024 * kilobytes;
+    }
+  return 0;
+}
+
 /// By how much the resident set grows at most from construction on. Linux only, 0 elsewhere.
 class Watermark {
  public:
@@ -147,21 +159,11 @@ class Watermark {
     malloc_trim(0);  // what is free already would hide what is asked for
 #endif
     std::ofstream("/proc/self/clear_refs") << "5";  // the peak starts again from here
-    before_ = status("VmRSS:");
+    before_ = status_bytes("VmRSS:");
   }
-  [[nodiscard]] double bytes() const { return std::max(0.0, status("VmHWM:") - before_); }
+  [[nodiscard]] double bytes() const { return std::max(0.0, status_bytes("VmHWM:") - before_); }
 
  private:
-  static double status(const std::string& key) {
-    std::ifstream in("/proc/self/status");
-    for (std::string word; in >> word;)
-      if (word == key) {
-        double kilobytes = 0;
-        in >> kilobytes;
-        return 1024 * kilobytes;
-      }
-    return 0;
-  }
   double before_ = 0;
 };
 

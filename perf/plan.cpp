@@ -16,17 +16,6 @@ namespace {
 
 using namespace alcap;
 
-double status_bytes(const std::string& key) {
-  std::ifstream in("/proc/self/status");
-  for (std::string word; in >> word;)
-    if (word == key) {
-      double kilobytes = 0;
-      in >> kilobytes;
-      return 1024 * kilobytes;
-    }
-  return 0;
-}
-
 struct Phase {
   std::string name;
   double cpu = 0, peak = 0;
@@ -43,7 +32,7 @@ class Phases {
   void end() {
     if (all_.empty() || all_.back().peak > 0) return;
     all_.back().cpu += now();
-    all_.back().peak = status_bytes("VmHWM:");
+    all_.back().peak = perf::status_bytes("VmHWM:");
   }
   [[nodiscard]] const std::vector<Phase>& all() const { return all_; }
 
@@ -54,7 +43,7 @@ class Phases {
 
 void measure(const std::string& family, std::int64_t faces, int n) {
   const MeshData s = perf::make_surface(family, faces);
-  const double base = status_bytes("VmRSS:") - 8.0 * 3 * double(s.V.rows()) - 12.0 * double(s.F.rows());
+  const double base = perf::status_bytes("VmRSS:") - 8.0 * 3 * double(s.V.rows()) - 12.0 * double(s.F.rows());
   Phases phases;
   FieldRunOptions options{.n = n};
   options.control.progress = [&](std::string_view phase, double fraction) {

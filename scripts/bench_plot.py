@@ -50,9 +50,14 @@ def spread(wanted, least=14):
 
 def log_plot(title, x_label, y_label, series, slopes=False, dashed=(), caption=""):
     """series: name -> list of (x, y), all positive. With slopes, each name gets the fitted exponent. Names in `dashed` are
-    guides: no dots, no slope. Every series is labelled at its last point."""
+    guides: no dots, no slope. Every series is labelled at its last point. With slopes, a series of one point says nothing
+    and is left out, if there are others; the caption counts them."""
     series = {k: sorted((x, y) for x, y in v if x > 0 and y > 0) for k, v in series.items()}
     series = {k: v for k, v in series.items() if v}
+    single = [k for k, v in series.items() if slopes and len(v) == 1]
+    if single and len(single) < len(series):
+        series = {k: v for k, v in series.items() if k not in single}
+        caption += ("; " if caption else "") + f"{len(single)} more at one size only: see the tables"
     points = [p for v in series.values() for p in v]
     if not any(k not in dashed for k in series):
         return None
@@ -88,8 +93,6 @@ def log_plot(title, x_label, y_label, series, slopes=False, dashed=(), caption="
         slope = fitted_slope(values) if slopes and len(values) > 1 and name not in dashed else None
         if slope is not None:
             label += f" (slope {slope:.2f})"
-        elif len(values) == 1 and slopes:
-            label += " (one size)"
         (x, y), height = ends[k], heights[k]
         out.append(f'<path d="M{x + 6:.1f} {y:.1f}L{WIDTH - RIGHT + 8} {height:.1f}" stroke="{colour}" stroke-width="0.8" stroke-dasharray="1 3" fill="none"/>'
                    f'<text x="{WIDTH - RIGHT + 12}" y="{height + 4:.1f}" font-size="11" fill="{colour}">{html.escape(label)}</text>')

@@ -9,6 +9,13 @@ TARGETS = {
     5242880: {"eigen n=1": 4.5, "eigen n=4": 8.0, "tool": 17.0, "memory": 5e9},
     20971520: {"eigen n=1": 20.0, "eigen n=4": 33.0, "tool": 70.0, "memory": 9e9},
 }
+# Of one edit of a design, n = 4, by size: the phase, what it is, and its seconds.
+DESIGN = {
+    50000: [("design_target", "turn a target", 0.001), ("design_turn_pinned", "turn a pinned target", 0.001),
+            ("design_move", "move a target to the next face", 0.01), ("design_stroke", "move a stroke of 40 points", 0.025)],
+    1310720: [("design_target", "turn a target", 0.025), ("design_turn_pinned", "turn a pinned target", 0.025),
+              ("design_move", "move a target to the next face", 0.3)],
+}
 # Meshes of 2K to 10K triangles a second on two cores, n = 4, in memory.
 BATCH = 150
 # Assembly of S and M against a parallel copy of their values, and on two threads against one.
@@ -90,6 +97,16 @@ def batch_rows(results, threads):
                   f"{batch['meshes/s']:.0f} meshes/s", batch["meshes/s"] / BATCH, runs(batch))
 
 
+def design_rows(results, threads):
+    for size, edits in DESIGN.items():
+        for phase, what, target in edits:
+            found = find(results, phase=phase, size=size, threads=threads)
+            if found:
+                best = next((r for r in found if r["family"] == "icosphere"), found[0])
+                yield row(f"{size:,}", f"design, {what}, {on_mesh(best)}", seconds(target),
+                          f"{seconds(best['seconds'])} ({best['cpu_seconds']:.3g})", target / best["seconds"], runs(best))
+
+
 def ratio_rows(results, threads):
     """Targets that are ratios of two measurements on the same mesh, and cycles."""
     sizes = sorted({r["size"] for r in results if "size" in r})
@@ -163,6 +180,7 @@ def targets_table(report):
              "target / measured above 1 is better than asked.", "",
              "| triangles | what | target | measured (CPU) | target / measured | runs | residual |",
              "| ---: | --- | ---: | ---: | ---: | ---: | ---: |",
-             *size_rows(results, threads), *batch_rows(results, threads), *ratio_rows(results, threads),
+             *size_rows(results, threads), *batch_rows(results, threads),
+             *design_rows(results, threads), *ratio_rows(results, threads),
              *growth_rows(results, threads)]
     return "\n".join(lines) + "\n"

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # coverage.sh [--throws] [ctest options]: measures line coverage per folder with gcov. Builds the preset coverage and runs its
-# tests (by default the quick ones). --throws also lists the lines that throw and were not run.
+# tests (by default the quick ones). --throws also lists the statements that throw and were not run.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 throws=()

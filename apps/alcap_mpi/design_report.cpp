@@ -18,10 +18,15 @@ void singularity(const DistributedDesign& d, const DesignOutcome& outcome, Json&
   const DesignSingularity& s = d.design.singularities[outcome.number];
   const auto& target = std::get<SingularityTarget>(*outcome.control);
   json["type"] = "singularity";
-  json["asked"] = {{"kind", name(s.kind)},           {"face", s.face},
-                   {"index", target.sign},           {"angle_degrees", number(target.orientation * 180 / pi<double>)},
-                   {"strength", number(s.strength)}, {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
+  json["asked"] = {{"kind", name(s.kind)},
+                   {"face", s.face},
+                   {"index", target.sign * target.count},
+                   {"index_nths", target.sign * target.count},
+                   {"angle_degrees", number(target.orientation * 180 / pi<double>)},
+                   {"strength", number(s.strength)},
+                   {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
   json["achieved"] = {{"index", outcome.index},
+                      {"index_nths", outcome.index},
                       {"barycentric", outcome.found ? triple(outcome.found->barycentric) : Json(nullptr)}};
   if (target.pin) json["achieved"]["length_at_pin"] = number(outcome.length_at_pin);
 }
@@ -38,8 +43,12 @@ Json control_json(const DistributedDesign& d, const DesignOutcome& outcome) {
   } else if (outcome.type == Type::stroke) {
     const DesignStroke& s = d.design.strokes[outcome.number];
     json["type"] = "stroke";
-    json["asked"] = {{"points", s.vertices.size()}, {"weight", number(s.weight)}};
+    json["asked"] = {{"points", s.points.size() + s.vertices.size()}, {"weight", number(s.weight)}};
     json["achieved"] = deviation;
+  } else if (outcome.type == Type::cone) {
+    json["type"] = "cone";
+    json["asked"] = {{"vertex", d.cones[outcome.number].vertex}, {"index", number(outcome.cone_asked)}};
+    json["achieved"] = {{"index", number(outcome.cone_index)}};
   } else {
     const DesignBoundary& b = d.design.boundary;
     json["type"] = "boundary";
@@ -47,7 +56,8 @@ Json control_json(const DistributedDesign& d, const DesignOutcome& outcome) {
     json["achieved"] = deviation;
   }
   json["error_degrees"] = number(outcome.error_degrees);
-  json["tolerance_degrees"] = tolerance_degrees(outcome.type);
+  json["tolerance_degrees"] = number(outcome.tolerance_degrees);
+  if (outcome.tolerance_relative) json["tolerance_relative"] = number(*outcome.tolerance_relative);
   json["met"] = outcome.met;
   return json;
 }

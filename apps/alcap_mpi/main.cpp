@@ -15,6 +15,9 @@
 #include "alcap/distributed_output.h"
 #include "alcap/version.h"
 #include "apps/alcap/options/cli.h"
+#include "apps/alcap/options/cone_options.h"
+#include "apps/alcap/options/prove_option.h"
+#include "apps/alcap/options/tolerance_options.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/printable.h"
 #include "apps/alcap/report/report.h"
@@ -41,11 +44,12 @@ constexpr const char* footer =
 
 struct Choice {
   Choice() { options.n = 4; }
-  std::string mesh, output, connection = "global", length_factor = "mean_edge", partition = "scotch";
+  std::string mesh, output, length_factor = "mean_edge", partition = "scotch";
   std::vector<std::string> formats = {"ply"};
   DistributedOptions options;
   std::string design;
   double solve_tolerance = DistributedDesignOptions().tolerance;
+  ControlTolerances tolerances;
   std::function<std::size_t(const char* option)> count;  // how often an option of the design was given
   int threads = 1;
   bool json = false, quiet = false;
@@ -97,9 +101,17 @@ void add_field_options(cli::App& app, Choice& c) {
                  "Which smoothness, in [-1, 1]: 0 Dirichlet, 1 favours holomorphic, -1 antiholomorphic fields")
       ->check(cli::Range(-1.0, 1.0))
       ->capture_default_str();
-  app.add_option("--connection", c.connection, "How the connection is built")
-      ->check(cli::IsMember({"polar", "polar-barycenter", "local", "global"}))
-      ->capture_default_str();
+  ConnectionChoice& connection = c.options.connection;
+  app.add_option_function<std::string>(
+         "--connection",
+         [&connection](const std::string& text) { connection = connection_choice(text).value(); },  // checked below
+         "How the connection is built. trivial: flat but for the vertices given by --cone, indices multiples of 1/n; "
+         "metric: cones of any size")
+      ->check(cli::IsMember({"polar", "polar-barycenter", "local", "global", "trivial", "metric"}))
+      ->type_name("KIND")
+      ->default_str("global");
+  add_cone_option(app, connection.kind, c.options.cones);
+  add_turns_option(app, "--loop-index", connection.kind, c.options.loop_index, loop_index_help);
   app.add_option("--detail", c.options.global.detail, "Of the global connection: smaller ignores small bumps")
       ->check(cli::PositiveNumber)
       ->capture_default_str();
@@ -112,6 +124,7 @@ void add_field_options(cli::App& app, Choice& c) {
   app.add_option("--tolerance", c.options.tolerance, "Relative residual of the eigenvector, recomputed")
       ->check(cli::Range(1e-14, 0.1))
       ->capture_default_str();
+  add_prove_option(app, c.options.prove_smallest);
 }
 
 void add_design_options(cli::App& app, Choice& c) {
@@ -122,6 +135,7 @@ void add_design_options(cli::App& app, Choice& c) {
   app.add_option("--tolerance", c.solve_tolerance, "Relative residual of linear solves, recomputed")
       ->check(cli::Range(1e-15, 0.1))
       ->capture_default_str();
+  add_tolerance_options(app, c.tolerances);
   c.count = [&app](const char* option) { return app.get_option(option)->count(); };
 }
 
@@ -193,7 +207,6 @@ void say(const std::string& message) {
 }
 
 int run_field_command(Choice& c) {
-  c.options.connection = connection_choice(c.connection).value_or(ConnectionChoice{});
   c.options.global.length_factor = from_name<LengthFactor>(c.length_factor).value_or(LengthFactor::mean_edge);
   c.options.partition = from_name<PartitionMethod>(c.partition).value_or(PartitionMethod::scotch);
   const detail::Stopwatch watch;
@@ -206,7 +219,9 @@ int run_field_command(Choice& c) {
   report["times"] = {{"read", read_seconds}, {"total", watch.seconds()}};
   if (in_folder(c, files)) write_report(std::filesystem::path(c.output) / "report.json", report);
   show(c, report, distributed_summary(report));
-  return static_cast<int>(report["ok"].get<bool>() ? Exit::ok : Exit::uncertified);
+  if (report["ok"].get<bool>()) return static_cast<int>(Exit::ok);
+  say(complaint("the certificate does not hold:", field.remarks));
+  return static_cast<int>(Exit::uncertified);
 }
 
 int run_design_command(Choice& c) {
@@ -220,6 +235,7 @@ int run_design_command(Choice& c) {
   DistributedDesign design =
       distributed_design(mesh, asked,
                          {.tolerance = c.solve_tolerance,
+                          .tolerances = c.tolerances,
                           .max_iterations = c.options.max_iterations,
                           .connection_tolerance = c.options.global.tolerance,
                           .connection_iterations = c.options.global.max_iterations,

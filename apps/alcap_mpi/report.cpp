@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
+#include "src/base/index_text.h"
 
 namespace alcap::app {
 namespace {
@@ -27,6 +29,8 @@ Json component_json(const DistributedComponent& c) {
           {"area", number(c.area)},
           {"index_sum", c.indices.sum},
           {"expected", c.indices.expected},
+          {"index_sum_nths", c.indices.sum},
+          {"expected_nths", c.indices.expected},
           {"eigen",
            {{"lambda", number(e.lambda)},
             {"next", optional(e.next)},
@@ -34,7 +38,7 @@ Json component_json(const DistributedComponent& c) {
             {"energy_residual", number(e.energy_residual)},
             {"smallest", name(e.smallest)},
             {"lower_bound", optional(e.lower_bound)},
-            {"smallest_note", e.smallest_note},
+            {"smallest_note", in_flags(e.smallest_note)},
             {"iterations", e.iterations},
             {"converged", e.converged},
             {"solver", e.solver},
@@ -49,6 +53,7 @@ Json singularities(const DistributedField& field) {
     positive += s.index > 0 ? 1 : 0;
     list.push_back({{"face", s.face},
                     {"index", s.index},
+                    {"index_nths", s.index},
                     {"barycentric", s.barycentric},
                     {"located", s.located},
                     {"orientation", number(s.orientation)},
@@ -60,8 +65,9 @@ Json singularities(const DistributedField& field) {
     expected += c.indices.expected;
   }
   const auto count = static_cast<std::int64_t>(field.singularities.size());
-  return {{"count", count},   {"positive", positive}, {"negative", count - positive}, {"denominator", field.n},
-          {"index_sum", sum}, {"expected", expected}, {"list", std::move(list)}};
+  return {{"count", count},         {"positive", positive},      {"negative", count - positive},
+          {"denominator", field.n}, {"index_sum", sum},          {"expected", expected},
+          {"index_sum_nths", sum},  {"expected_nths", expected}, {"list", std::move(list)}};
 }
 
 struct Verdict {
@@ -122,8 +128,13 @@ void add_field(const std::string& path, const MeshSlice& mesh, const Distributed
   report["program"] = "alcap-mpi";
   report["input"] = {{"path", path}};
   report["mesh"] = mesh_of(mesh, field);
+  Json cones = Json::array(), loops = Json::array();
+  for (const Cone& c : field.cones) cones.push_back({{"vertex", c.vertex}, {"index", number(c.index)}});
+  for (const double turns : field.loop_index) loops.push_back(number(turns));
   report["connection"] = {{"kind", std::string(name(ConnectionChoice{field.kind, field.center}))},
                           {"detail", number(field.global.detail)},
+                          {"cones", std::move(cones)},
+                          {"loop_index", std::move(loops)},
                           {"D_T", number(field.connection.D_T)},
                           {"D_E", number(field.connection.D_E)},
                           {"iterations", field.connection.iterations},
@@ -156,6 +167,8 @@ Json distributed_report(const std::string& path, const MeshSlice& mesh, const Di
                            {"residual_small", v.residual},
                            {"index_sums_match", v.indices},
                            {"smallest", name(v.smallest)}};
+  report["warnings"] = remarks_json(field.remarks, true);
+  report["notes"] = remarks_json(field.remarks, false);
   return report;
 }
 
@@ -183,8 +196,8 @@ std::string costs_summary(const Json& report) {
   const int n = report["n"].get<int>();
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
-                                    turns_text(singular["index_sum"].get<std::int64_t>(), n),
-                                    turns_text(singular["expected"].get<std::int64_t>(), n)));
+                                    detail::turns_text(singular["index_sum"].get<std::int64_t>(), n),
+                                    detail::turns_text(singular["expected"].get<std::int64_t>(), n)));
   std::string seconds, bytes;
   double memory = 0;
   for (const auto& [phase, cost] : report["phases"].items()) {
@@ -210,9 +223,11 @@ std::string distributed_summary(const Json& report) {
   line("field",
        fmt::format("n = {}, eigenvalue {}, residual {}, {} iterations, {}", n, short_text(eigen["lambda"]),
                    short_text(eigen["residual"]), count(eigen["iterations"]), eigen["solver"].get<std::string>()));
-  line("smallest", report["certificate"]["smallest"].get<std::string>());
+  line("smallest", smallest_text(report["certificate"], eigen, parts.size() == 1));
   text += costs_summary(report);
-  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see certificate in the report");
+  for (const Json& w : report["warnings"]) line("warning", w["message"].get<std::string>());
+  for (const Json& w : report["notes"]) line("note", w["message"].get<std::string>());
+  line("certificate", report["ok"].get<bool>() ? "holds" : "DOES NOT HOLD, see the warnings");
   return text;
 }
 

@@ -81,12 +81,23 @@ struct AlignedResult {
   /// length 1.
   Field field;
   std::vector<AlignedPiece> pieces;  ///< per connected component, in the order of topology.h
-  /// Feature vertices that are left free because the features that meet there differ by more than 5 degrees from any
-  /// direction of an n-field, ascending.
-  std::vector<Index> free_corners;
+  std::vector<Index> free_corners;   ///< see FeatureDirections
   /// Largest angle between a fixed vertex's direction and the field, degrees.
   double fixed_degrees = 0;
 };
+
+/// What features ask of the vertices on them.
+struct FeatureDirections {
+  std::vector<VertexConstraint> held;  ///< ascending; `value` of length 1, the length of the field is free
+  /// Feature vertices that are left free because the features that meet there differ by more than 5 degrees from any
+  /// direction of an n-field, ascending.
+  std::vector<Index> free_corners;
+};
+
+/// The direction of an n-field at every vertex of features, along them or across. Throws OptionError for odd n where
+/// there are features, and when the graph is one of another surface.
+[[nodiscard]] FeatureDirections feature_directions(const ConnectedSurface& surface, const FeatureGraph& features, int n,
+                                                   bool across = false);
 
 /// The field. Throws OptionError (n below 1 or odd where there are features, bad options, a fixed vertex that no face
 /// uses, `value` zero or not finite), SolveError, Cancelled. That directions did not settle is reported. Corners where

@@ -13,13 +13,14 @@
 #include <vector>
 
 #include "alcap/conventions.h"
+#include "alcap/sharp_edges.h"
 #include "alcap/strokes.h"
 
 namespace alcap {
 
 /// A singularity of index sign count / n asked for in a face.
 struct SingularityTarget {
-  Index face = none;  ///< the face it shall lie in
+  Index face = none;  ///< the face it is to lie in
   int sign = 1;       // +1: source, vortex, spiral (n = 1), wedge; -1: saddle, trisector
   /// So many zeros of index sign/n side by side, in `face` and in faces about three edges from it and from each other,
   /// turned and weighed so that around them is one pattern of index sign count / n: no single face can hold more than
@@ -62,24 +63,50 @@ struct BoundaryAlignment {
   double weight = 1;    ///< in [1e-100, 1e12]; larger follows closer
 };
 
-/// Targets and fixed directions count as met within this angle: they are solved for exactly where nothing else pulls,
-/// so what is left is the influence of other controls, and half a degree of it is not visible.
-inline constexpr double target_met_degrees = 0.5;
-/// Strokes and the boundary are met within this angle on average: the field is drawn to them, not tied, and ten degrees
-/// off still reads as along.
-inline constexpr double stroke_met_degrees = 10;
+/// Alignment of a field of even n with edges, usually the creases that sharp_edges() finds. The field is drawn to unit
+/// vectors along them, or across them, as by a stroke along every line. With `hold` its direction is exact at their
+/// vertices besides, and its length is its own: an n-field never turns away from a feature there. Vertices where
+/// features meet that no n-direction follows within 5 degrees stay free: see feature_directions().
+struct FeatureAlignment {
+  FeatureGraph features = {};  ///< of the surface that the design is for
+  bool across = false;         ///< across the features, not along them; the same where n is a multiple of 4
+  double weight = 1;           ///< as of Stroke, in [1e-100, 1e12]
+  bool hold = true;            ///< directions at vertices are exact, the weight draws lengths to 1
+};
+
+/// How far off controls may be and still count as met; the field itself does not depend on it. Degrees, in (0, 180],
+/// are those of ControlReport::error_degrees and DesignOutcome::error_degrees; the other two are in (0, 1].
+struct ControlTolerances {
+  /// Orientation of a singularity, and a direction fixed at a vertex: solved for exactly where nothing else pulls, so
+  /// what is left is the influence of other controls, and half a degree of it is not visible.
+  double singularity_degrees = 0.5;
+  double fixed_degrees = 0.5;  ///< the same of fixed directions
+  /// Mean deviation from a stroke, from features and from the boundary: the field is drawn to them, not tied, and ten
+  /// degrees off still reads as along.
+  double stroke_degrees = 10;
+  double boundary_degrees = 10;  ///< the same of the boundary
+  /// Curvature of a cone, 360 degrees to index 1. Connections have it up to rounding: a millionth of a turn.
+  double cone_degrees = 360e-6;
+  /// Vertices whose length is given as well (variational designs): |u - value|, over |value| and the largest |u| added.
+  /// Exact up to rounding.
+  double fixed_value = 1e-6;
+  /// Pinned zeros in design runs: |u| at the pin, over the largest at the corners of its face. Exact up to rounding.
+  double pin_length = 1e-6;
+};
 
 /// Any of the things that a design can ask for.
-using Control = std::variant<SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment>;
+using Control = std::variant<SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment, FeatureAlignment>;
 /// The name of a control within its Designer.
 enum class ControlId : int {};
 
 /// What became of one control.
 struct ControlReport {
-  ControlId id{};            ///< which control
-  bool met = false;          ///< see target_met_degrees, stroke_met_degrees
-  int index = 0;             ///< targets: index found in the face, or in all faces of its count (n-ths)
-  double error_degrees = 0;  ///< targets: of orientation; strokes, boundary: mean deviation; fixed vertices: direction
+  ControlId id{};    ///< which control
+  bool met = false;  ///< within ControlTolerances
+  int index = 0;     ///< targets: index found in the face, or in all faces of its count (n-ths)
+  /// Targets: of orientation; strokes, boundary: mean deviation; features: the same off their corners; fixed vertices:
+  /// direction.
+  double error_degrees = 0;
 };
 
 }  // namespace alcap

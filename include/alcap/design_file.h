@@ -105,11 +105,23 @@ struct DesignBoundary {
   double weight = 1;    // see BoundaryAlignment
 };
 
-/// A stroke along every line of sharp edges (sharp_edges.h), for even n; none unless `wanted`.
+/// Alignment with sharp edges (sharp_edges.h), for even n; none unless `wanted`. Drawn along them a field has a stroke
+/// along every line; held, or across them, it has the FeatureAlignment of controls.h.
 struct DesignFeatures {
   bool wanted = false;  ///< whether the design asks for it
   double angle = 40;    // degrees, in (0, 180]: edges that fold by at least this; see SharpEdgeOptions
   double weight = 1;    // see Stroke, EigenStroke
+  bool hold = false;    ///< directions at vertices of features are exact; otherwise features only draw
+  bool across = false;  ///< across the features, not along them
+  /// What names the edges, instead of the angle: see read_feature_edges(). As written; read_design makes it relative to
+  /// the folder of the design.
+  std::filesystem::path file = {};
+  std::vector<std::array<Index, 2>> edges = {};  ///< the same, by their vertices
+  bool boundary = false;                         ///< boundary edges are features too; with `angle`
+  double corner_angle = 40;                      // degrees, in (0, 180]; this and the rest: see SharpEdgeOptions
+  double low_angle = 0;                          // degrees, at most `angle`, and with it; 0: off
+  double gap = 0;                                ///< in the unit of length of the mesh; 0: off
+  double spur = 0;                               ///< the same
 };
 
 /// A cone at the vertex nearest to a point.
@@ -215,7 +227,7 @@ struct DesignFile {
   std::vector<DesignFixed> fixed = {};                ///< fixed vertices
   std::vector<DesignStroke> strokes = {};             ///< strokes
   DesignBoundary boundary = {};                       ///< alignment with the boundary
-  DesignFeatures features = {};                       ///< strokes along sharp edges
+  DesignFeatures features = {};                       ///< alignment with sharp edges
   std::vector<DesignEdit> edits = {};                 ///< changes of the singularities, in order
 };
 
@@ -244,9 +256,12 @@ void check_design(const DesignFile& design);
 /// OptionError.
 void check_design(const DesignFile& design, const Mesh& mesh);
 
-/// The same design with `features` replaced by strokes, `at` by faces, vertices and barycentric coordinates, a path by
-/// the points of the surface nearest to it, and edits done. Throws as check_design does, and on a surface that lies in
-/// no space.
+/// The edges that the features of a design are. Throws OptionError, FileError for a file that cannot be used.
+[[nodiscard]] FeatureGraph design_features(const DesignFile& design, const Surface& surface);
+
+/// The same design with features that draw along them replaced by strokes, all others by their edges, `at` by faces,
+/// vertices and barycentric coordinates, a path by the points of the surface nearest to it, and edits done. Throws as
+/// check_design and design_features do, and on a surface that lies in no space.
 [[nodiscard]] DesignFile place_design(const DesignFile& design, const Surface& surface);
 
 /// The connection of a placed design, for connect().
@@ -259,7 +274,7 @@ struct DesignControl {
   Control control;   ///< as Designer::add() takes it
 };
 
-/// The controls of a placed design: singularities, then fixed vertices, then strokes, then the boundary. The surface
+/// The controls of a placed design: singularities, fixed vertices, strokes, the boundary, features. The surface
 /// has the connection of the design. Throws OptionError when a direction has no part in the tangent plane or a stroke
 /// cannot be traced.
 [[nodiscard]] std::vector<DesignControl> design_controls(const DesignFile& design, const ConnectedSurface& surface);

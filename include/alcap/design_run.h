@@ -34,7 +34,8 @@ struct DesignRunOptions {
   /// Relative residual that the certificate accepts: what EigenOptions::tolerance asks of eigenvectors. Linear solves
   /// end well below.
   double residual = 1e-8;
-  bool normalise = false;  // true: divide by |u| afterwards, an n-direction field
+  ControlTolerances tolerances = {};  // what counts as met
+  bool normalise = false;             // true: divide by |u| afterwards, an n-direction field
   /// As of run_field(). Faces, points and lines of the design are found on the triangles it is solved on, straight
   /// ways along the surface; what the design gives per vertex is harmonic between the mesh's own.
   Triangulation triangulation = Triangulation::automatic;
@@ -48,18 +49,23 @@ struct DesignRunOptions {
   RunControl control = {};
 };
 
-/// What was asked for and what became of it: a singularity, a fixed vertex, a stroke, the boundary, or a cone.
+/// What was asked for and what became of it: a singularity, a fixed vertex, a stroke, the boundary, features, or a
+/// cone.
 struct DesignOutcome {
   /// What was asked for.
-  enum class Type { singularity, fixed, stroke, boundary, cone };
+  enum class Type { singularity, fixed, stroke, boundary, cone, features };
   Type type{};                                    ///< what was asked for
   std::size_t number = 0;                         ///< in its list of the design
   std::string path;                               ///< "/singularities/0"
   std::string name;                               ///< as given, or "saddle in face 12"
   std::optional<Control> control = std::nullopt;  ///< what the solver was asked for; none for cones
-  bool met = false;                               ///< see target_met_degrees and stroke_met_degrees
+  bool met = false;                               ///< within DesignRunOptions::tolerances
   double error_degrees = 0;                       ///< see ControlReport; cones: difference of the index, 360 to a turn
-  int index = 0;                                  ///< singularities: found in the face, in n-ths
+  double tolerance_degrees = 0;                   ///< the largest error_degrees that counts as met
+  /// Pinned zeros: the largest length_at_pin that counts as met, besides. Fixed vertices with a length: how far off the
+  /// value may be, relative, instead of degrees. See ControlTolerances.
+  std::optional<double> tolerance_relative = std::nullopt;
+  int index = 0;                                    ///< singularities: found in the face, in n-ths
   std::optional<Singularity> found = std::nullopt;  ///< singularities: the one in the face, if there is one
   double length_at_pin = 0;                         ///< pinned zeros: |u| there, over the largest at the face's corners
   /// Cones: index asked for at the vertex and index it has, in turns.
@@ -100,7 +106,10 @@ struct DesignRun {
   /// has the locally optimal connection then (or the polar one, if that is the design's), in whose frames the field is
   /// given and its indices are counted.
   std::optional<SolvedTriangulation> triangulation;
-  std::vector<DesignOutcome> outcomes;     ///< singularities, fixed vertices, strokes, boundary, cones
+  /// Designs with features: as of run_field(). Pieces are told where the features are all that is asked for and held or
+  /// across: then the field is that of aligned_field().
+  std::optional<FieldFeatures> features;
+  std::vector<DesignOutcome> outcomes;     ///< singularities, fixed vertices, strokes, boundary, features, cones
   std::vector<EigenReport> eigen;          ///< eigen designs: per component, in the order of topology; otherwise empty
   int rows = 0;                            ///< low-rank rows in this solve
   int solves = 0;                          ///< right-hand sides solved for
@@ -141,7 +150,7 @@ struct DesignRun {
 /// run_design() up to rounding. One thread at a time.
 class DesignSession {
  public:
-  /// `normalise`, `threads` and `progress` hold for every solve.
+  /// `normalise`, `tolerances`, `threads` and `progress` hold for every solve.
   explicit DesignSession(const Surface& surface, DesignRunOptions options = {});
   ~DesignSession();
   DesignSession(DesignSession&&) noexcept;

@@ -53,6 +53,7 @@ struct DesignerOptions {
   // How targets are integrated. The area form is the one S itself is made of, so a lone target is met exactly; with the
   // edge form a few faces of very coarse meshes miss theirs.
   OperatorKind kind = OperatorKind::triangle;  ///< edge- or triangle-based targets
+  ControlTolerances tolerances = {};           // what counts as met; cones and pins are not judged here
   int largest_rank = 256;                      // rows of strokes kept as an update; beyond, refactorising is cheaper
   std::string solver = "auto";                 // linear backend
   /// As SolverOptions::right_hand_sides, for a design that is solved once: one for all targets and one for each pin and
@@ -97,7 +98,7 @@ class Designer {
   void remove(ControlId id);
   /// Moves a singularity to another face. Its direction is carried along the shortest strip of faces, unfolded; a pin
   /// goes to the barycenter. The same as setting it there: a new right-hand side. Throws OptionError for a control that
-  /// is no singularity and a face that cannot be reached.
+  /// is not a singularity and a face that cannot be reached.
   void move(ControlId id, Index face);
   /// Two singularities become one, in the place of the first and with its direction: the indices add, the second one is
   /// gone. Where they cancel both are gone, and there is no id. Throws OptionError for controls that are not two

@@ -24,6 +24,7 @@
 
 #include "alcap/connection.h"
 #include "alcap/field.h"
+#include "alcap/field_run.h"
 #include "alcap/singularities.h"
 #include "alcap/solve.h"
 
@@ -91,18 +92,25 @@ struct NamesOf<PartitionMethod> {
 
 /// Which field, and how.
 struct DistributedOptions {
-  int n = 1;                         // degree
-  double s = 0;                      // of the energy E_s, see energies.h
-  ConnectionChoice connection = {};  // polar, polar-barycenter, local or global
+  int n = 1;     // degree
+  double s = 0;  // of the energy E_s, see energies.h
+  /// Any kind. Trivial and metric connections, which have cones, only on components without handles; trivial ones are
+  /// for degree n.
+  ConnectionChoice connection = {};
   /// Weights and tolerance of the global connection: tighter than on one machine, so that any number of ranks gives the
   /// same eigenvalues to 1e-8.
   GlobalOptions global = {.tolerance = 1e-10};
+  std::vector<Cone> cones = {};                         // of trivial and metric: users' vertices, see TrivialOptions
+  std::vector<double> loop_index = {};                  // of trivial and metric, see TrivialOptions and MetricOptions
   double tolerance = 1e-8;                              // as EigenOptions::tolerance, recomputed
   int max_iterations = 1000;                            // of the eigensolver, per component
   std::uint64_t seed = 1;                               // of its start vectors
   PartitionMethod partition = PartitionMethod::scotch;  // who owns which vertices
   /// Components of up to so many vertices are solved each by one rank, as on one machine and with the same proof.
   Index gather_below = 1000;
+  /// As EigenOptions::prove_smallest. The proof of a component is made by one rank, which gets its matrices: of up to
+  /// 200,000 vertices, or with `always` wherever that rank's memory allows.
+  Prove prove_smallest = Prove::automatic;
 };
 
 /// One connected component.
@@ -135,11 +143,14 @@ struct DistributedField {
   PolarCenter center = PolarCenter::incenter;         ///< of a polar map
   GlobalOptions global;                               ///< weights that it was optimised or measured with
   ConnectionReport connection;                        ///< how it was found
+  std::vector<Cone> cones;                            ///< of a trivial or metric connection, as it was given them
+  std::vector<double> loop_index;                     ///< as Connection::loop_index
   std::string partition;                              ///< the method, and why another than asked for
   std::int64_t owned[3]{};                            ///< vertices that a rank owns: least, mean, most
   std::int64_t held[3]{};                             ///< vertices that a rank holds: least, mean, most
   std::int64_t cut_edges = 0;                         ///< edges between vertices of different ranks
   std::vector<PhaseCost> phases;                      ///< in the order they ran
+  std::vector<Remark> remarks;                        ///< about the result, as of FieldRun
 };
 
 /// The smoothest n-field. Throws MeshError for a mesh that cannot be used, numbers as users count, OptionError,

@@ -8,12 +8,14 @@
 //   alcap::write_distributed_ply("designed.ply", mesh, design);
 //
 // Controls come from the same code as on one machine, on the rank whose vertices and faces they name, and the field is
-// the same up to rounding. Only what a rank can tell from the faces around its own vertices is there:
+// the same up to rounding. There are:
 //
-//   singularities of one zero, pinned or not; fixed vertices; strokes along edges; the boundary; guidance none, zero
-//   and smoothest, with a weight, weights per vertex, or t; connections polar, local and global.
+//   singularities, pinned or not; fixed vertices; strokes along edges, through points and along paths; the boundary;
+//   every guidance, with a weight, weights per vertex, or t; every kind of connection, with cones at vertices of
+//   components without handles.
 //
-// Everything else is refused by name before anything is computed.
+// Everything else is refused by name: eigen designs, features, edits, footprints of strokes, balanced cones, holonomies
+// and targets before anything is computed, handles and paths of edges that are to be searched for when they are met.
 #pragma once
 
 #include <cstdint>
@@ -30,9 +32,10 @@ struct DistributedDesignOptions {
   /// Relative residual at which a linear solve ends, recomputed: fields agree with those of one machine to about eight
   /// digits. One that rounding stops earlier ends there.
   double tolerance = 1e-12;
-  double residual = 1e-8;         // what the certificate accepts, as DesignRunOptions::residual
-  double eigen_tolerance = 1e-8;  // of smoothest fields: of guidance, and of components without a control
-  int max_iterations = 1000;      // of each linear solve, and of the eigensolver per component
+  double residual = 1e-8;             // what the certificate accepts, as DesignRunOptions::residual
+  ControlTolerances tolerances = {};  // what counts as met
+  double eigen_tolerance = 1e-8;      // of smoothest fields: of guidance, and of components without a control
+  int max_iterations = 1000;          // of each linear solve, and of the eigensolver per component
   /// Of the global connection: tighter than on one machine, as in DistributedOptions::global.
   double connection_tolerance = 1e-10;
   int connection_iterations = 5000;                     // as GlobalOptions::max_iterations
@@ -53,7 +56,6 @@ struct DistributedDesign : DistributedField {
   double residual = 0;            ///< relative, of the system with its rows, recomputed
   std::string solver;             ///< the linear solver and its choices; empty where none was needed
   DesignCertificate certificate;  ///< what was checked
-  std::vector<Remark> remarks;    ///< about the result
 
   /// Whether every control is met: all outcomes.
   [[nodiscard]] bool met() const;

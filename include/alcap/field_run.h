@@ -33,7 +33,8 @@ namespace alcap {
 /// Which features a field is aligned with, and how.
 struct FieldAlignment {
   SharpEdgeOptions features = {};  ///< which edges are features; boundary edges are, unless it says otherwise
-  /// Feature edges by their vertices, as read_sharp() gives them; not empty: these, and not those that fold.
+  /// Feature edges by their vertices, as read_feature_edges() gives them; not empty: these, and not those that fold,
+  /// with gaps closed and spurs removed as `features` says.
   std::vector<std::array<Index, 2>> edges = {};
   bool across = false;  ///< across the features instead of along; the same where n is a multiple of 4
   double weight = 0;    // 0: held exactly; above, drawn as by a stroke of this weight
@@ -133,7 +134,7 @@ struct FieldFeatures {
   std::vector<AlignedPiece> pieces;  ///< how each component was solved
   std::vector<Index> free_corners;   ///< see AlignedResult
   FeatureReport report;              ///< deviations, singularities on features
-  /// Along every line, off its corners, within stroke_met_degrees on average.
+  /// Along every line, off its corners, within 10 degrees on average.
   bool followed = false;
 };
 

@@ -64,7 +64,7 @@ class Mesh {
   /// boundary and its only halfedge runs from j to i. Throws OptionError for a number that is not a vertex. O(valence).
   [[nodiscard]] Index halfedge(Index i, Index j) const;
   /// The edge that joins vertices i and j, in either direction; `none` when there is none. Throws OptionError for a
-  /// number that is no vertex's. O(valence).
+  /// number that is not a vertex. O(valence).
   [[nodiscard]] Index edge(Index i, Index j) const;
   /// Whether h is the canonical halfedge of its edge.
   [[nodiscard]] bool canonical(Index h) const { return halfedge(edge(h)) == h; }

@@ -86,6 +86,15 @@ struct MeshFile {
 [[nodiscard]] MeshFile read_mesh_from_memory(std::string_view bytes, std::string_view format = {},
                                              const ReadOptions& options = {});
 
+/// The feature edges of a .sharp file on faces F, by their vertices, for edges_between(). Throws FileError: missing,
+/// not such a file, no such face.
+[[nodiscard]] std::vector<std::array<Index, 2>> read_sharp(const Faces& F, const std::filesystem::path& file);
+
+/// The feature edges that a file names, by their vertices: those of a .sharp file, or the lines ("l") of an OBJ or
+/// elements "edge" of a PLY with as many vertices as the mesh. Throws FileError, also where there are none.
+[[nodiscard]] std::vector<std::array<Index, 2>> read_feature_edges(const Faces& F, std::int64_t vertices,
+                                                                   const std::filesystem::path& file);
+
 /// The lengths of the edges of an intrinsic surface, for Surface::from_lengths (#E, in the order of the mesh's edges).
 /// A text file: for each face the lengths of its first, second and third edge, in the units of the mesh, between
 /// blanks, commas or newlines; from # on a line is a comment. Both faces of an edge must agree to 1e-9. Throws

@@ -163,14 +163,14 @@ struct EdgeField {
   [[nodiscard]] EdgeValue at(double s) const;
 };
 
-/// The n-field with vertex components u (#V) along halfedge h. Throws OptionError for an h that is no halfedge.
+/// The n-field with vertex components u (#V) along halfedge h. Throws OptionError when h is not a halfedge.
 [[nodiscard]] EdgeField edge_field(const ConnectedSurface& surface, int n, const ComplexVectorX<double>& u, Index h);
 [[nodiscard]] EdgeField edge_field(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                                    const ComplexVectorX<double>& u, Index h);
 
 /// rho_{e->t} at the fraction s of halfedge h, radians: from the frame along h to the frame of its face (LTGD 2016,
-/// eq. 9). A component z of an n-field on the edge is z exp(-i n rho_{e->t}) in the face. Throws OptionError for an h
-/// that is no halfedge.
+/// eq. 9). A component z of an n-field on the edge is z exp(-i n rho_{e->t}) in the face. Throws OptionError when h
+/// is not a halfedge.
 [[nodiscard]] double edge_to_face(const ConnectedSurface& surface, Index h, double s);
 [[nodiscard]] double edge_to_face(const Mesh& mesh, const Connection& connection, Index h, double s);
 

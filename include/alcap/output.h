@@ -27,6 +27,7 @@
 #include "alcap/connected_surface.h"
 #include "alcap/control.h"
 #include "alcap/field.h"
+#include "alcap/mesh_io.h"
 #include "alcap/sharp_edges.h"
 #include "alcap/singularities.h"
 #include "alcap/streamlines.h"
@@ -91,13 +92,9 @@ void write_scalars(const VectorX<double>& values, const std::string& name, const
 /// Writes feature edges as QuadWild reads them (.sharp): their number, then lines "type,face,edge" with type 0 for
 /// concave and 1 for convex and boundary edges, and edge k of a face from its corner k to the next. An edge is given
 /// once for each of its faces, in the order of the faces. Throws FileError, and OptionError for the graph of another
-/// surface.
+/// surface. read_sharp() of mesh_io.h reads them back.
 void write_sharp(const Surface& surface, const FeatureGraph& features, const std::filesystem::path& file,
                  const RunControl& control = {});
-
-/// The feature edges of a .sharp file on faces F, by their vertices, for edges_between(). Throws FileError: missing,
-/// not such a file, no such face.
-[[nodiscard]] std::vector<std::array<Index, 2>> read_sharp(const Faces& F, const std::filesystem::path& file);
 
 /// A field read back.
 struct FieldFile {

@@ -74,9 +74,14 @@ struct SharpEdgeOptions {
 [[nodiscard]] double dihedral_angle(const Surface& surface, Index e);
 
 /// The graph of any edges, whoever found them; one that is given twice counts once. Throws OptionError for a number
-/// that is no edge's, a bad angle, and on a surface that lies in no space. O(V + k log k) for k edges.
+/// that is not an edge, a bad angle, and on a surface that lies in no space. O(V + k log k) for k edges.
 [[nodiscard]] FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges,
                                          double corner_angle = SharpEdgeOptions{}.corner_angle);
+
+/// The same after gaps are closed and spurs removed, as `options` say: its other members but corner_angle do not count.
+/// Throws OptionError for bad options as well.
+[[nodiscard]] FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges,
+                                         const SharpEdgeOptions& options);
 
 /// The edges between pairs of vertices, as files of feature edges give them. Throws OptionError for a pair that no edge
 /// joins.

@@ -27,7 +27,7 @@ struct SizingOptions {
 
 /// The target edge length of every vertex (#V), in the unit of V. A chord of length h of a circle of curvature k is
 /// error away from it in the middle where h = 2 sqrt(error (2 / k - error)). k is the largest principal curvature by
-/// magnitude, from the normal cycle (Cohen-Steiner, Morvan 2003) of all edges but `features`: a crease is no curvature.
+/// magnitude, from the normal cycle (Cohen-Steiner, Morvan 2003) of all edges but `features`: creases do not count.
 /// Along a feature line it is also that of the line, and no length exceeds that of the line (a third of a closed one).
 /// Then lengths are cut to [smallest, largest] and to `growth`, which makes them smaller only (the largest function
 /// below that grows so slowly, by Dijkstra's method). At vertices that no face uses it is `largest`. Faces may be

@@ -34,8 +34,8 @@ class Surface {
   Surface(Points&& V, Triangles&& F)
       : Surface(Made{}, as_positions(std::forward<Points>(V)), as_faces(std::forward<Triangles>(F))) {}
 
-  /// From points and a mesh that is made already. Throws MeshError where Geometry does, OptionError when V has not one
-  /// row per vertex.
+  /// From points and a mesh that is made already. Throws MeshError where Geometry does, OptionError when V does not
+  /// have one row per vertex.
   [[nodiscard]] static Surface from_mesh(Positions<double> V, Mesh mesh);
 
   /// An intrinsic surface, from the lengths of its edges (#E, in the order of the mesh's edges), such as a flat torus.

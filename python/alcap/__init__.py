@@ -15,7 +15,8 @@ from ._alcap import (ConnectedSurface, CurveSet, Field, Frames, IntrinsicTriangu
                      SurfaceLocator, __version__, curve_formats, eigen_solvers, field_formats, linear_solvers, mesh_formats,
                      peak_memory_bytes, scalar_formats, usual_field_formats)
 from ._connections import *  # noqa: F401,F403
-from ._controls import BoundaryAlignment, Control, EigenStroke, SingularityTarget, Stroke, VertexConstraint
+from ._controls import (BoundaryAlignment, Control, ControlTolerances, EigenStroke, FeatureAlignment,
+                        SingularityTarget, Stroke, VertexConstraint)
 from ._curves import *  # noqa: F401,F403
 from ._design_run import *  # noqa: F401,F403
 from ._designer import *  # noqa: F401,F403
@@ -32,8 +33,8 @@ from ._solvers import *  # noqa: F401,F403
 from ._tables import *  # noqa: F401,F403
 
 __all__ = [
-    'BoundaryAlignment', 'Cancelled', 'ConnectedSurface', 'Control', 'CurveSet', 'EigenStroke', 'Error', 'Field', 'FileError',
-    'Frames', 'IntrinsicTriangulation', 'MeshError', 'OptionError', 'Polyline', 'Registration', 'SingularityTarget',
+    'BoundaryAlignment', 'Cancelled', 'ConnectedSurface', 'Control', 'ControlTolerances', 'CurveSet', 'EigenStroke',
+    'Error', 'FeatureAlignment', 'Field', 'FileError', 'Frames', 'IntrinsicTriangulation', 'MeshError', 'OptionError', 'Polyline', 'Registration', 'SingularityTarget',
     'SolveError', 'Stroke', 'Surface', 'SurfaceLocator', 'VertexConstraint', '__version__', 'curve_formats', 'eigen_solvers', 'field_formats',
     'linear_solvers', 'mesh_formats', 'peak_memory_bytes', 'scalar_formats', 'shapes', 'usual_field_formats',
 ]

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Optional, Tuple, Union
+from typing import TYPE_CHECKING, ClassVar, Optional, Tuple, Union
 
 from ._alcap import Polyline
+
+if TYPE_CHECKING:
+    from ._features import FeatureGraph
 
 
 @dataclass(frozen=True)
@@ -87,11 +90,14 @@ class EigenStroke:
         1 draws the field to within a few degrees of the line, on every mesh and in every unit.
     across : bool
         Across the line, not along it.
+    radius : float
+        Half the width of a hat-shaped footprint, in the unit of V; 0: the line alone.
     """
 
     line: Polyline
     weight: float = 1.0
     across: bool = False
+    radius: float = 0.0
     kind: ClassVar[str] = 'eigen_stroke'
 
 
@@ -104,4 +110,55 @@ class BoundaryAlignment:
     kind: ClassVar[str] = 'boundary'
 
 
-Control = Union[SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment]
+@dataclass(frozen=True)
+class FeatureAlignment:
+    """Alignment of a field of even n with edges: drawn to unit vectors along them, and held there.
+
+    Parameters
+    ----------
+    features : FeatureGraph
+        From sharp_edges() or feature_graph().
+    across : bool
+        Across the features, not along them.
+    weight : float
+        As of Stroke.
+    hold : bool
+        Directions at vertices are exact, except where features meet that no n-direction follows; the weight draws
+        lengths to 1.
+    """
+
+    features: FeatureGraph
+    across: bool = False
+    weight: float = 1.0
+    hold: bool = True
+    kind: ClassVar[str] = 'features'
+
+
+@dataclass(frozen=True)
+class ControlTolerances:
+    """How far off controls may be and still count as met; the field itself does not depend on it.
+
+    Parameters
+    ----------
+    singularity_degrees, fixed_degrees : float
+        Orientation of a singularity, direction at a vertex. Degrees are in (0, 180].
+    stroke_degrees, boundary_degrees : float
+        Mean deviation from a stroke or features, and from the boundary, degrees.
+    cone_degrees : float
+        Curvature of a cone, 360 degrees to index 1.
+    fixed_value : float
+        Vertices whose length is given as well: relative, in (0, 1], as all that follow.
+    pin_length : float
+        Length of the field at a pinned zero, relative to the corners of its face; in design_field().
+    """
+
+    singularity_degrees: float = 0.5
+    fixed_degrees: float = 0.5
+    stroke_degrees: float = 10.0
+    boundary_degrees: float = 10.0
+    cone_degrees: float = 360e-6
+    fixed_value: float = 1e-6
+    pin_length: float = 1e-6
+
+
+Control = Union[SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment, FeatureAlignment]

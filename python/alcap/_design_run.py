@@ -10,6 +10,8 @@ import numpy as np
 
 from . import _alcap
 from ._alcap import Surface
+from ._controls import ControlTolerances
+from ._field_run import RunFeatures, run_features
 from ._run import Run
 from ._types import Path, Progress
 
@@ -24,7 +26,8 @@ class DesignRun(Run):
 
     @property
     def controls(self) -> List[Dict[str, Any]]:
-        """What was asked and what came of it: path, name, type, asked, achieved, error_degrees, met."""
+        """What was asked and what came of it: path, name, type, asked, achieved, error_degrees,
+        tolerance_degrees, met."""
         return self.report['controls']
 
     @property
@@ -40,6 +43,14 @@ class DesignRun(Run):
         """
         return self._run.triangulation
 
+    @property
+    def features(self) -> Optional[RunFeatures]:
+        """What the features of the design are, and how well the field follows them; None where it has none.
+
+        Pieces are told where features are all that is asked for, and held or across.
+        """
+        return run_features(self._run.features)
+
 
 _MIN_ANGLE = 15 * np.pi / 180
 
@@ -54,8 +65,9 @@ def _design_text(design: Any) -> Tuple[str, str]:
 
 
 def design_field(surface: Surface, design: Union[Mapping[str, Any], Path], *, solver: str = 'auto',
-                 residual: float = 1e-8, normalise: bool = False, triangulation: str = 'auto',
-                 min_angle: float = _MIN_ANGLE, progress: Progress = None, threads: int = 0) -> DesignRun:
+                 residual: float = 1e-8, tolerances: ControlTolerances = ControlTolerances(), normalise: bool = False,
+                 triangulation: str = 'auto', min_angle: float = _MIN_ANGLE, progress: Progress = None,
+                 threads: int = 0) -> DesignRun:
     """The field that has what a design asks for.
 
     Parameters
@@ -65,6 +77,8 @@ def design_field(surface: Surface, design: Union[Mapping[str, Any], Path], *, so
         As docs/design.md describes; a path of its JSON file.
     residual : float
         Relative residual that the certificate accepts.
+    tolerances : ControlTolerances
+        How far off controls may be and still count as met.
     triangulation, min_angle
         Which triangles it is solved on, as of smoothest_field(). What the design gives per vertex is harmonic between
         the mesh's own vertices.
@@ -79,8 +93,8 @@ def design_field(surface: Surface, design: Union[Mapping[str, Any], Path], *, so
         Its `field` is the JSON path of what is wrong.
     """
     text, folder = _design_text(design)
-    how = {'solver': solver, 'residual': residual, 'normalise': normalise, 'triangulation': triangulation,
-           'min_angle': min_angle}
+    how = {'solver': solver, 'residual': residual, 'tolerances': tolerances, 'normalise': normalise,
+           'triangulation': triangulation, 'min_angle': min_angle}
     return DesignRun(_alcap.run_design(surface, text, folder, how, progress, threads))
 
 
@@ -90,15 +104,16 @@ class DesignSession:
     Parameters
     ----------
     surface : Surface
-    solver, residual, normalise, triangulation, min_angle, progress, threads
+    solver, residual, tolerances, normalise, triangulation, min_angle, progress, threads
         As of design_field(), for every solve.
     """
 
-    def __init__(self, surface: Surface, *, solver: str = 'auto', residual: float = 1e-8, normalise: bool = False,
+    def __init__(self, surface: Surface, *, solver: str = 'auto', residual: float = 1e-8,
+                 tolerances: ControlTolerances = ControlTolerances(), normalise: bool = False,
                  triangulation: str = 'auto', min_angle: float = _MIN_ANGLE, progress: Progress = None,
                  threads: int = 0) -> None:
-        how = {'solver': solver, 'residual': residual, 'normalise': normalise, 'triangulation': triangulation,
-               'min_angle': min_angle}
+        how = {'solver': solver, 'residual': residual, 'tolerances': tolerances, 'normalise': normalise,
+               'triangulation': triangulation, 'min_angle': min_angle}
         self._session = _alcap.DesignSession(surface, how, progress, threads)
 
     def solve(self, design: Union[Mapping[str, Any], Path]) -> DesignRun:

@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from . import _alcap
 from ._alcap import ConnectedSurface, Field
-from ._controls import Control, EigenStroke, SingularityTarget, Stroke, VertexConstraint
+from ._controls import (Control, ControlTolerances, EigenStroke, FeatureAlignment, SingularityTarget, Stroke,
+                        VertexConstraint)
 from ._types import EIGEN_OPTIONS, Progress, given
 
 
@@ -48,6 +49,8 @@ class Designer:
         How targets are integrated: 'triangle' or 'edge'.
     solver : str
         One of linear_solvers(), or 'auto'.
+    tolerances : ControlTolerances
+        How far off controls may be and still count as met.
     progress : callable(phase, fraction), optional
         Of every call.
 
@@ -59,8 +62,9 @@ class Designer:
 
     def __init__(self, surface: ConnectedSurface, n: int = 1, *, guidance_weight: float = 0.0,
                  t: Optional[float] = None, s: float = 0.0, kind: str = 'triangle', solver: str = 'auto',
-                 progress: Progress = None, threads: int = 0) -> None:
-        options = {'n': n, 'guidance_weight': guidance_weight, 't': t, 's': s, 'kind': kind, 'solver': solver}
+                 tolerances: ControlTolerances = ControlTolerances(), progress: Progress = None, threads: int = 0) -> None:
+        options = {'n': n, 'guidance_weight': guidance_weight, 't': t, 's': s, 'kind': kind, 'solver': solver,
+                   'tolerances': tolerances}
         self._designer = _alcap.Designer(surface, options, progress, threads)
         self._controls: Dict[int, Control] = {}
 
@@ -141,6 +145,8 @@ class EigenDesign:
         id (position in the list), met, index, error_degrees.
     fixed : list of dict
         The same for fixed directions.
+    features : list of dict
+        The same for features; the mean deviation off their corners.
     assembly_seconds, eigen_seconds : float
         Wall clock.
     """
@@ -150,13 +156,17 @@ class EigenDesign:
     strokes: List[Dict[str, Any]]
     singularities: List[Dict[str, Any]]
     fixed: List[Dict[str, Any]]
+    features: List[Dict[str, Any]]
     assembly_seconds: float
     eigen_seconds: float
 
 
 def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Union[Stroke, EigenStroke]] = (),
                  singularities: Sequence[SingularityTarget] = (), fixed: Sequence[VertexConstraint] = (),
-                 s: float = 0.0, offset: float = 1.0, path: str = 'auto', progress: Progress = None, threads: int = 0, **options: Any) -> EigenDesign:
+                 features: Sequence[FeatureAlignment] = (), guidance: Optional[npt.ArrayLike] = None, guidance_weight: float = 0.0,
+                 guidance_weights: Optional[npt.ArrayLike] = None, s: float = 0.0, offset: float = 1.0, path: str = 'auto',
+                 tolerances: ControlTolerances = ControlTolerances(), progress: Progress = None, threads: int = 0,
+                 **options: Any) -> EigenDesign:
     """The smoothest field of a connection that follows strokes and has singularities (LTGD 2016, Sec. 7.2).
 
     Without controls it is the smoothest field of the connection.
@@ -164,15 +174,25 @@ def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Uni
     Parameters
     ----------
     strokes : sequence of EigenStroke or Stroke
-        A Stroke's radius is not used.
     singularities : sequence of SingularityTarget
-        Pins are not used.
+        Pins are exact.
     fixed : sequence of VertexConstraint
         Directions at vertices; lengths are the field's own.
+    features : sequence of FeatureAlignment
+        A stroke along every line; directions that are held are exact.
+    guidance : (#V,) complex, optional
+        A field of any length to stay close to. Without one a weight draws the field towards zero.
+    guidance_weight : float
+        In units of twice the smallest eigenvalue of a round sphere of the same area; 0: no guidance. 1 weighs closeness
+        like smoothness.
+    guidance_weights : (#V,), optional
+        Not negative, at vertices; they multiply the weight.
     offset : float
         Removes what the paper leaves free across strokes; 0: as in the paper.
     path : str
         'auto', 'real_view' or 'low_rank'.
+    tolerances : ControlTolerances
+        How far off controls may be and still count as met.
     **options
         Of the eigensolver: tolerance, angle_tolerance, solver, method, max_iterations, seed, prove_smallest.
 
@@ -183,8 +203,10 @@ def eigen_design(surface: ConnectedSurface, n: int = 1, *, strokes: Sequence[Uni
     for name in options:
         if name not in EIGEN_OPTIONS:
             raise TypeError(f'unexpected option {name!r}; known are {", ".join(EIGEN_OPTIONS)}')
-    how = {'n': n, 's': s, 'offset': offset, 'path': path}
-    controls: Dict[str, List[Any]] = {'strokes': list(strokes), 'singularities': list(singularities), 'fixed': list(fixed)}
+    how = {'n': n, 's': s, 'offset': offset, 'path': path, 'tolerances': tolerances}
+    controls: Dict[str, Any] = {'strokes': list(strokes), 'singularities': list(singularities), 'fixed': list(fixed),
+                                'features': list(features),
+                                'guidance': guidance, 'guidance_weight': guidance_weight, 'guidance_weights': guidance_weights}
     return EigenDesign(*_alcap.eigen_design(surface, controls, how, given(**options), progress, threads))
 
 

@@ -2,7 +2,7 @@
 """The exceptions of the library. All are `alcap.Error`; those about values are also `ValueError`."""
 from __future__ import annotations
 
-from typing import Sequence
+from typing import Any, Dict, Sequence
 
 # What messages of the library name, and what does it in Python.
 _WORDS = (
@@ -16,6 +16,8 @@ _WORDS = (
     ('repair_weld()', 'alcap.repair_weld'),
     ('repair_orientation()', 'alcap.repair_orientation'),
     ('EigenOptions::solver', 'solver'),
+    ('EigenOptions::method', 'method'),
+    ('EigenOptions::max_iterations', 'max_iterations'),
     ('EigenOptions::angle_tolerance', 'angle_tolerance'),
     ('EigenOptions::tolerance', 'tolerance'),
     ('EigenOptions::prove_smallest', 'prove_smallest'),
@@ -31,6 +33,11 @@ def in_python(message: str) -> str:
     for word, python in _WORDS:
         message = message.replace(word, python)
     return message
+
+
+def report_in_python(report: Dict[str, Any]) -> Dict[str, Any]:
+    """The report with its texts in words of Python."""
+    return {key: in_python(value) if isinstance(value, str) else value for key, value in report.items()}
 
 
 class Error(Exception):

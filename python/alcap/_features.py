@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any, Dict, List, Optional, Sequence
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import numpy.typing as npt
 
@@ -103,6 +103,19 @@ def read_sharp(path: Path, F: npt.ArrayLike) -> Ints:
     return _alcap.read_sharp(os.fspath(path), F)
 
 
+def read_feature_edges(path: Path, F: npt.ArrayLike, vertices: int) -> Ints:
+    """(k, 2) int32: the feature edges that a file names, by their vertices.
+
+    Those of a .sharp file, or the lines of an OBJ or elements 'edge' of a PLY with as many vertices as the mesh.
+
+    Raises
+    ------
+    FileError
+        Missing, not such a file, no such face, without edges.
+    """
+    return _alcap.read_feature_edges(os.fspath(path), F, vertices)
+
+
 def write_sharp(path: Path, surface: Surface, features: FeatureGraph) -> None:
     """Writes feature edges as QuadWild reads them: TYPE,FACE,EDGE, type 0 concave, 1 convex. Raises FileError."""
     _alcap.write_sharp(surface, features, os.fspath(path))
@@ -136,9 +149,25 @@ def target_edge_lengths(surface: Surface, features: Optional[FeatureGraph] = Non
                                                        'growth': growth, 'rings': rings})
 
 
-def feature_graph(surface: Surface, edges: npt.ArrayLike, *, corner_angle: float = math.radians(40)) -> FeatureGraph:
-    """The graph of any edges (k,)."""
-    return graph_of(_alcap.feature_graph(surface, edges, corner_angle))
+def feature_graph(surface: Surface, edges: npt.ArrayLike, *, corner_angle: float = math.radians(40),
+                  gap: float = 0.0, spur: float = 0.0) -> FeatureGraph:
+    """The graph of any edges (k,), with gaps closed and spurs removed as by sharp_edges()."""
+    return graph_of(_alcap.feature_graph(surface, edges, corner_angle, gap, spur))
+
+
+def feature_directions(surface: ConnectedSurface, features: FeatureGraph, n: int,
+                       across: bool = False) -> Tuple[List[VertexConstraint], Ints]:
+    """The direction of an n-field of even n at every vertex of features.
+
+    Returns
+    -------
+    held : list of VertexConstraint
+        With direction_only.
+    free_corners : (k,) array of int32
+        Feature vertices where no direction of an n-field is within 5 degrees of all features that meet.
+    """
+    vertices, values, corners = _alcap.feature_directions(surface, features, n, across)
+    return [VertexConstraint(int(v), complex(u), True) for v, u in zip(vertices, values)], corners
 
 
 def dihedral_angles(surface: Surface) -> Floats:
@@ -212,6 +241,6 @@ def measure_features(surface: ConnectedSurface, field: Field, features: FeatureG
 
 
 __all__ = [
-    'AlignedField', 'FeatureGraph', 'FeatureLine', 'aligned_field', 'dihedral_angles', 'feature_graph',
-    'edges_between', 'measure_features', 'read_sharp', 'sharp_edges', 'target_edge_lengths', 'write_sharp',
+    'AlignedField', 'FeatureGraph', 'FeatureLine', 'aligned_field', 'dihedral_angles', 'feature_directions',
+    'feature_graph', 'edges_between', 'measure_features', 'read_feature_edges', 'read_sharp', 'sharp_edges', 'target_edge_lengths', 'write_sharp',
 ]

@@ -85,19 +85,19 @@ class RunFeatures:
     followed: bool
 
 
+def run_features(found: Any) -> Optional[RunFeatures]:
+    """RunFeatures of what the module found; None where there are no features."""
+    return None if found is None else RunFeatures(graph_of(found['graph']), found['pieces'],
+                                                  found['free_corners'], found['report'], found['followed'])
+
+
 class FieldRun(Run):
     """A smoothest or aligned field with everything that was computed on the way, see smoothest_field()."""
 
     @property
     def features(self) -> Optional[RunFeatures]:
         """What the field was aligned with; None where it was not."""
-        found = self._run.features
-        return None if found is None else RunFeatures(graph_of(found['graph']), found['pieces'],
-                                                      found['free_corners'], found['report'], found['followed'])
-
-    def _feature_graph(self) -> Any:
-        features = self.features
-        return None if features is None else features.graph
+        return run_features(self._run.features)
 
     @property
     def triangulation(self) -> Optional[Dict[str, Any]]:

@@ -98,7 +98,7 @@ def write_matrix(path: Path, A: Any, format: str = '') -> None:
     FileError
     """
     name = os.fspath(path)
-    _alcap.write_matrix(name, parts(A), format or os.path.splitext(name)[1].lstrip('.'))
+    _alcap.write_matrix(name, parts(A, 'A'), format or os.path.splitext(name)[1].lstrip('.'))
 
 
 __all__ = [

@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from . import _alcap
 from ._alcap import ConnectedSurface, Field, Frames
-from ._errors import Error, OptionError, in_python
+from ._errors import Error, OptionError, in_python, report_in_python
+from ._features import graph_of
 
 if TYPE_CHECKING:  # pragma: no cover
     from matplotlib.figure import Figure
@@ -96,7 +97,7 @@ class Run:
     @property
     def eigen(self) -> List[Dict[str, Any]]:
         """Per component what smallest_eigenpair() reports: lambda, next, residual, smallest and more."""
-        return self._run.eigen
+        return [report_in_python(report) for report in self._run.eigen]
 
     @property
     def remarks(self) -> List[Dict[str, Any]]:
@@ -145,7 +146,8 @@ class Run:
                                 os.fspath(stem))
 
     def _feature_graph(self) -> Any:
-        return None
+        found = self._run.features
+        return None if found is None else graph_of(found['graph'])
 
     def page(self, title: str = 'field') -> str:
         """The page that shows the field in any browser: one HTML text that needs no network.

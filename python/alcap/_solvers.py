@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _alcap
+from ._errors import report_in_python
 from ._sparse import csc, parts
 from ._types import Complexes, Progress, given
 
@@ -70,7 +71,7 @@ def factorise(A: Any, solver: str = 'auto', *, right_hand_sides: int = 0, tolera
     SolveError
         A is not positive definite, or memory ran out.
     """
-    return Factorised(_alcap.factorise(parts(A), solver, right_hand_sides, tolerance, max_iterations))
+    return Factorised(_alcap.factorise(parts(A, 'A'), solver, right_hand_sides, tolerance, max_iterations))
 
 
 def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float] = None,
@@ -114,7 +115,8 @@ def smallest_eigenpair(S: Any, M: Any, area: float, *, tolerance: Optional[float
     """
     options = given(tolerance=tolerance, angle_tolerance=angle_tolerance, degree=degree, solver=solver, method=method,
                     max_iterations=max_iterations, seed=seed, prove_smallest=prove_smallest)
-    return _alcap.smallest_eigenpair(parts(S), parts(M), area, options, progress, threads)
+    u, report = _alcap.smallest_eigenpair(parts(S, 'S'), parts(M, 'M'), area, options, progress, threads)
+    return u, report_in_python(report)
 
 
 def eigenpairs(S: Any, M: Any, area: float, count: int, *, tolerance: Optional[float] = None,
@@ -136,12 +138,13 @@ def eigenpairs(S: Any, M: Any, area: float, count: int, *, tolerance: Optional[f
     """
     options = given(tolerance=tolerance, angle_tolerance=angle_tolerance, degree=degree, solver=solver, method=method,
                     max_iterations=max_iterations, seed=seed, prove_smallest=prove_smallest)
-    return _alcap.eigenpairs(parts(S), parts(M), area, count, options, progress, threads)
+    values, U, report = _alcap.eigenpairs(parts(S, 'S'), parts(M, 'M'), area, count, options, progress, threads)
+    return values, U, report_in_python(report)
 
 
 def inertia(S: Any, M: Any, sigma: float, *, progress: Progress = None, threads: int = 0) -> int:
     """How many eigenvalues of S u = lambda M u lie below sigma (Sylvester's law of inertia)."""
-    return _alcap.inertia(parts(S), parts(M), sigma, progress, threads)
+    return _alcap.inertia(parts(S, 'S'), parts(M, 'M'), sigma, progress, threads)
 
 
 def _until_exit(registration: '_alcap.Registration') -> '_alcap.Registration':

@@ -6,6 +6,8 @@ from typing import Any, Tuple
 
 import scipy.sparse
 
+from ._errors import OptionError
+
 
 def csc(parts: Tuple[Any, Any, Any, Any]) -> scipy.sparse.csc_matrix:
     data, indices, indptr, shape = parts
@@ -19,8 +21,12 @@ def csr(parts: Tuple[Any, Any, Any, Any]) -> scipy.sparse.csr_matrix:
     return scipy.sparse.csr_matrix((data, indices, indptr), shape=shape, copy=False)
 
 
-def parts(matrix: Any) -> Tuple[Any, Any, Any]:
+def parts(matrix: Any, name: str) -> Tuple[Any, Any, Any]:
     matrix = scipy.sparse.csc_matrix(matrix)
+    rows, columns = matrix.shape
+    if rows != columns:
+        value, rule = f'{rows} x {columns}', 'must be square'
+        raise OptionError(f"option '{name}' = {value}: {rule}", name, value, rule)
     if not matrix.has_sorted_indices:
         matrix = matrix.sorted_indices()
     return matrix.data, matrix.indices, matrix.indptr

@@ -4,6 +4,7 @@
 #include "alcap/aligned.h"
 
 #include "alcap/connected_surface.h"
+#include "alcap/mesh_io.h"
 #include "alcap/output.h"
 #include "alcap/sizing.h"
 #include "python/src/bindings.h"
@@ -36,7 +37,7 @@ FeatureGraph graph_of(const py::object& graph) {
   for (const py::handle v : graph.attr("vertices")) {
     const auto text = as<std::string>(v, "vertices");
     const auto* const kind = std::find(vertex_kinds.begin(), vertex_kinds.end(), text);
-    if (kind == vertex_kinds.end()) throw OptionError("vertices", text, "is no kind of vertex");
+    if (kind == vertex_kinds.end()) throw OptionError("vertices", text, "is not a kind of vertex");
     out.vertices.push_back(static_cast<FeatureVertex>(kind - vertex_kinds.begin()));
   }
   for (const py::handle line : graph.attr("lines"))
@@ -89,6 +90,12 @@ SharpEdgeOptions sharp_options(const py::dict& d) {
 
 namespace {
 
+py::object pairs_array(const std::vector<std::array<Index, 2>>& pairs) {
+  std::vector<Index> flat;
+  for (const auto& pair : pairs) flat.insert(flat.end(), pair.begin(), pair.end());
+  return moved(std::move(flat), {static_cast<py::ssize_t>(pairs.size()), 2});
+}
+
 AlignedOptions options_of(const py::dict& d) {
   AlignedOptions out{.n = as<int>(d["n"], "n"),
                      .across = as<bool>(d["across"], "across"),
@@ -111,12 +118,10 @@ void bind_aligned(py::module_& m) {
         [](const Surface& s, const py::dict& options) { return graph_dict(sharp_edges(s, sharp_options(options))); });
   m.def("edges_between",
         [](const Surface& s, const py::object& list) { return moved(edges_between(s, pairs_of(list, "pairs"))); });
-  m.def("read_sharp", [](const std::string& path, const py::object& F) {
-    auto pairs = read_sharp(faces_of(F), path);
-    const auto rows = static_cast<py::ssize_t>(pairs.size());
-    std::vector<Index> flat;
-    for (const auto& pair : pairs) flat.insert(flat.end(), pair.begin(), pair.end());
-    return moved(std::move(flat), {rows, 2});
+  m.def("read_sharp",
+        [](const std::string& path, const py::object& F) { return pairs_array(read_sharp(faces_of(F), path)); });
+  m.def("read_feature_edges", [](const std::string& path, const py::object& F, std::int64_t vertices) {
+    return pairs_array(read_feature_edges(faces_of(F), vertices, path));
   });
   m.def("write_sharp", [](const Surface& s, const py::object& features, const std::string& path) {
     const FeatureGraph graph = graph_of(features);
@@ -131,8 +136,19 @@ void bind_aligned(py::module_& m) {
                                 .rings = as<int>(d["rings"], "rings")};
     return moved(watched(py::none(), 0, [&] { return target_edge_lengths(s, graph, options); }));
   });
-  m.def("feature_graph", [](const Surface& s, const py::object& list, double corner_angle) {
-    return graph_dict(feature_graph(s, indices_of(list, "edges"), corner_angle));
+  m.def("feature_graph", [](const Surface& s, const py::object& list, double corner_angle, double gap, double spur) {
+    const SharpEdgeOptions options{.corner_angle = corner_angle, .gap = gap, .spur = spur};
+    return graph_dict(feature_graph(s, indices_of(list, "edges"), options));
+  });
+  m.def("feature_directions", [](const ConnectedSurface& s, const py::object& features, int n, bool across) {
+    FeatureDirections found = feature_directions(s, graph_of(features), n, across);
+    std::vector<Index> vertices;
+    std::vector<Complex<double>> values;
+    for (const VertexConstraint& held : found.held) {
+      vertices.push_back(held.vertex);
+      values.push_back(held.value);
+    }
+    return py::make_tuple(moved(std::move(vertices)), moved(std::move(values)), moved(std::move(found.free_corners)));
   });
   m.def("aligned_field", [](const ConnectedSurface& s, const py::object& features, const py::dict& options,
                             const py::object& progress, int threads) {

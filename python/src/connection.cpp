@@ -91,7 +91,7 @@ ConnectionOptions connection_of(const py::dict& d) {
     } else if (name == "n") {
       out.n = as<int>(value, name);
     } else {
-      throw OptionError(name, py::str(object).cast<std::string>(), "is no option of a connection");
+      throw OptionError(name, py::str(object).cast<std::string>(), "is not an option of a connection");
     }
   }
   return out;
@@ -211,7 +211,7 @@ void bind_connected(py::module_& m) {
   c.def(
       "rho_along",
       [](const ConnectedSurface& s, Index h) {
-        if (h < 0 || h >= s.mesh().halfedges()) throw OptionError("h", h, "is no halfedge");
+        if (h < 0 || h >= s.mesh().halfedges()) throw OptionError("h", h, "must be a halfedge, in [0, H)");
         return s.connection().rho_along(s.mesh(), h);
       },
       py::arg("h"), "Rotation from vertex to vertex along halfedge h, radians.");
@@ -244,7 +244,7 @@ void bind_connection(py::module_& m) {
   });
   m.def("transport_along_curve",
         [](const ConnectedSurface& s, const CurveSet& curves, std::int64_t k, Complex<double> z, int n) {
-          if (k < 0 || k >= curves.size()) throw OptionError("k", k, "is no curve of the set");
+          if (k < 0 || k >= curves.size()) throw OptionError("k", k, "must be a curve of the set, in [0, size)");
           return transported(transport(s, curves.path(k), z, n));
         });
   m.def("transport_along_points",

@@ -42,7 +42,7 @@ struct CurveChoice {
         *real = as<double>(value, name);
       } else {
         throw OptionError(name, py::str(py::reinterpret_borrow<py::object>(value)).cast<std::string>(),
-                          "is no option of curves");
+                          "is not an option of curves");
       }
     }
   }

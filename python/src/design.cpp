@@ -9,6 +9,7 @@
 #include "alcap/eigen_design.h"
 #include "python/src/arrays.h"
 #include "python/src/bindings.h"
+#include "python/src/features.h"
 #include "python/src/long_call.h"
 #include "python/src/options.h"
 #include "python/src/points.h"
@@ -38,6 +39,13 @@ VertexConstraint vertex_of(const py::object& c) {
           .direction_only = as<bool>(c.attr("direction_only"), "direction_only")};
 }
 
+FeatureAlignment features_of(const py::object& c) {
+  return {.features = graph_of(c.attr("features")),
+          .across = as<bool>(c.attr("across"), "across"),
+          .weight = as<double>(c.attr("weight"), "weight"),
+          .hold = as<bool>(c.attr("hold"), "hold")};
+}
+
 Control control_of(const py::object& c) {
   const auto kind = py::getattr(c, "kind", py::str("")).cast<std::string>();
   if (kind == "singularity") return target_of(c);
@@ -46,8 +54,9 @@ Control control_of(const py::object& c) {
   if (kind == "boundary")
     return BoundaryAlignment{.normal = as<bool>(c.attr("normal"), "normal"),
                              .weight = as<double>(c.attr("weight"), "weight")};
+  if (kind == "features") return features_of(c);
   throw OptionError("control", py::str(c).cast<std::string>(),
-                    "must be a SingularityTarget, VertexConstraint, Stroke or BoundaryAlignment");
+                    "must be a SingularityTarget, VertexConstraint, Stroke, BoundaryAlignment or FeatureAlignment");
 }
 
 py::list reports(const std::vector<ControlReport>& list) {
@@ -132,6 +141,7 @@ class Live {
                             .guidance_weight = as<double>(d["guidance_weight"], "guidance_weight"),
                             .s = as<double>(d["s"], "s"),
                             .kind = named<OperatorKind>(as<std::string>(d["kind"], "kind"), "kind"),
+                            .tolerances = tolerances_of(d["tolerances"]),
                             .solver = as<std::string>(d["solver"], "solver")};
     if (!d["t"].is_none()) options.t = as<double>(d["t"], "t");
     return options;
@@ -148,17 +158,22 @@ class Live {
   std::optional<Designer> designer_;
 };
 
-/// Of lists of Stroke or EigenStroke, of SingularityTarget, of VertexConstraint.
+/// Of lists of Stroke or EigenStroke, of SingularityTarget, of VertexConstraint, and guidance.
 EigenControls eigen_controls(const py::dict& d) {
   EigenControls out;
   for (const py::handle h : d["strokes"]) {
     out.strokes.push_back({.line = as<const SurfacePolyline&>(h.attr("line"), "line"),
                            .weight = as<double>(h.attr("weight"), "weight"),
-                           .across = as<bool>(py::getattr(h, "across", py::bool_(false)), "across")});
+                           .across = as<bool>(py::getattr(h, "across", py::bool_(false)), "across"),
+                           .radius = as<double>(h.attr("radius"), "radius")});
   }
   for (const py::handle h : d["singularities"])
     out.singularities.push_back(target_of(py::reinterpret_borrow<py::object>(h)));
+  for (const py::handle h : d["features"]) out.features.push_back(features_of(py::reinterpret_borrow<py::object>(h)));
   for (const py::handle h : d["fixed"]) out.fixed.push_back(vertex_of(py::reinterpret_borrow<py::object>(h)));
+  if (const py::object g = d["guidance"]; !g.is_none()) out.guidance = complex_of(g, "guidance");
+  out.guidance_weight = as<double>(d["guidance_weight"], "guidance_weight");
+  if (const py::object w = d["guidance_weights"]; !w.is_none()) out.guidance_weights = reals_of(w, "guidance_weights");
   return out;
 }
 
@@ -169,7 +184,8 @@ py::tuple smoothest_design(const ConnectedSurface& surface, const py::dict& aske
                                    .s = as<double>(d["s"], "s"),
                                    .offset = as<double>(d["offset"], "offset"),
                                    .eigen = eigen_of(eigen),
-                                   .path = named<EigenPath>(as<std::string>(d["path"], "path"), "path")};
+                                   .path = named<EigenPath>(as<std::string>(d["path"], "path"), "path"),
+                                   .tolerances = tolerances_of(d["tolerances"])};
   EigenDesignResult r = watched(progress, threads, [&] { return eigen_design(surface, controls, options); });
   py::list components, lines;
   for (const EigenReport& e : r.components) components.append(eigen_dict(e));
@@ -178,7 +194,7 @@ py::tuple smoothest_design(const ConnectedSurface& surface, const py::dict& aske
                           "magnitude"_a = s.magnitude, "met"_a = s.met));
   }
   return py::make_tuple(std::make_shared<Field>(std::move(r.field)), components, lines, reports(r.singularities),
-                        reports(r.fixed), r.assembly_seconds, r.eigen_seconds);
+                        reports(r.fixed), reports(r.features), r.assembly_seconds, r.eigen_seconds);
 }
 
 }  // namespace

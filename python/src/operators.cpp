@@ -42,7 +42,7 @@ void bind_operators(py::module_& m) {
   });
   m.def("field_value",
         [](const ConnectedSurface& s, int n, const py::object& u, Index t, const std::array<double, 3>& barycentric) {
-          if (t < 0 || t >= s.mesh().faces()) throw OptionError("face", t, "is no face");
+          if (t < 0 || t >= s.mesh().faces()) throw OptionError("face", t, "must be a face, in [0, F)");
           const FieldValue v = face_field(s, n, complex_of(u, "u", s.mesh().vertices()), t).at(barycentric);
           return py::make_tuple(v.u, v.d1, v.d2);
         });

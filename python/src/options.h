@@ -4,6 +4,7 @@
 #pragma once
 
 #include "alcap/connected_surface.h"
+#include "alcap/controls.h"
 #include "alcap/solve.h"
 #include "python/src/arrays.h"
 
@@ -15,6 +16,9 @@ namespace alcap::python {
 
 /// tolerance, angle_tolerance, degree, solver, method, max_iterations, seed, prove_smallest.
 [[nodiscard]] EigenOptions eigen_of(const py::dict& d);
+
+/// Of a ControlTolerances of Python.
+[[nodiscard]] ControlTolerances tolerances_of(const py::object& tolerances);
 
 [[nodiscard]] py::dict eigen_dict(const EigenReport& report);
 [[nodiscard]] py::dict connection_dict(const ConnectionReport& report);

@@ -198,6 +198,7 @@ class Session {
 DesignRunOptions design_options(const py::dict& d) {
   return {.solver = d["solver"].cast<std::string>(),
           .residual = d["residual"].cast<double>(),
+          .tolerances = tolerances_of(d["tolerances"]),
           .normalise = d["normalise"].cast<bool>(),
           .triangulation = named<Triangulation>(d["triangulation"].cast<std::string>(), "triangulation"),
           .min_angle = d["min_angle"].cast<double>()};
@@ -215,18 +216,19 @@ py::object triangulation_of(const std::optional<SolvedTriangulation>& found) {
                   "parallel"_a = t.parallel, "singularities"_a = t.singularities);
 }
 
+py::object features_dict(const std::optional<FieldFeatures>& features) {
+  if (!features) return py::none();
+  return py::dict("graph"_a = graph_dict(features->graph), "pieces"_a = pieces_list(features->pieces),
+                  "free_corners"_a = moved(std::vector<Index>(features->free_corners)),
+                  "report"_a = deviations_dict(features->report), "followed"_a = features->followed);
+}
+
 }  // namespace
 
 void bind_run(py::module_& m) {
   py::class_<Run> field_run(m, "FieldRun");
   bind_common(field_run);
-  field_run.def_property_readonly("features", [](const Run& r) -> py::object {
-    if (!r.run.features) return py::none();
-    const FieldFeatures& f = *r.run.features;
-    return py::dict("graph"_a = graph_dict(f.graph), "pieces"_a = pieces_list(f.pieces),
-                    "free_corners"_a = moved(std::vector<Index>(f.free_corners)),
-                    "report"_a = deviations_dict(f.report), "followed"_a = f.followed);
-  });
+  field_run.def_property_readonly("features", [](const Run& r) { return features_dict(r.run.features); });
   field_run.def_property_readonly("triangulation", [](const Run& r) { return triangulation_of(r.run.triangulation); });
   field_run.def_property_readonly("modes", [](const Run& r) { return modes_tuple(EigenModes(r.run.modes)); });
   field_run.def_property_readonly("copies_of", [](const Run& r) { return moved(std::vector<Index>(r.run.copies_of)); });
@@ -235,6 +237,7 @@ void bind_run(py::module_& m) {
   bind_common(design_run);
   design_run.def_property_readonly("triangulation",
                                    [](const Designed& d) { return triangulation_of(d.run.triangulation); });
+  design_run.def_property_readonly("features", [](const Designed& d) { return features_dict(d.run.features); });
   design_run.def_property_readonly("design_json", [](const Designed& d) { return design_text(d.run.design); });
   m.def("run_field", [](const Surface& s, const py::dict& d, const py::dict& connection, const py::dict& eigen,
                         const py::object& progress, int threads) {

@@ -12,6 +12,19 @@
 
 namespace alcap::python {
 
+ControlTolerances tolerances_of(const py::object& tolerances) {
+  const auto number = [&](const char* name) {
+    return as<double>(tolerances.attr(name), std::string("tolerances.") + name);
+  };
+  return {.singularity_degrees = number("singularity_degrees"),
+          .fixed_degrees = number("fixed_degrees"),
+          .stroke_degrees = number("stroke_degrees"),
+          .boundary_degrees = number("boundary_degrees"),
+          .cone_degrees = number("cone_degrees"),
+          .fixed_value = number("fixed_value"),
+          .pin_length = number("pin_length")};
+}
+
 EigenOptions eigen_of(const py::dict& d) {
   EigenOptions out;
   for (const auto& [key, value] : d) {
@@ -37,7 +50,7 @@ EigenOptions eigen_of(const py::dict& d) {
       out.prove_smallest = *prove;
     } else {
       throw OptionError(name, py::str(py::reinterpret_borrow<py::object>(value)).cast<std::string>(),
-                        "is no option of an eigensolver");
+                        "is not an option of an eigensolver");
     }
   }
   return out;

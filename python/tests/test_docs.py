@@ -27,7 +27,7 @@ ELSEWHERE = {
     'edge_field': 'edge_value', 'face_field': 'field_value', 'from_vectors': 'Field.from_vectors',
     'holonomy': 'ConnectedSurface.holonomy', 'homology_generators': 'Surface.homology_generators',
     'normalised': 'Field.normalised', 'on_frames': 'Field.on_frames', 'position': 'singularity_positions',
-    'dihedral_angle': 'dihedral_angles', 'run_design': 'design_field', 'split_components': 'Surface.split',
+    'dihedral_angle': 'dihedral_angles', 'design_features': 'DesignRun.features', 'run_design': 'design_field', 'split_components': 'Surface.split',
     'vertex_frames': 'ConnectedSurface.frames', 'make_linear_solver': 'factorise', 'residual': 'Factorised.report',
     'design_text': 'DesignRun.design', 'parse_design': 'design_field', 'plan_design': 'DesignRun.design',
     'face_vertex_matrix': 'first_order_operators',
@@ -75,6 +75,8 @@ OPTIONS = [
     ('VertexConstraint', 'VertexConstraint', {}, ()),
     ('Stroke', 'Stroke', {}, ('points',)),
     ('BoundaryAlignment', 'BoundaryAlignment', {}, ()),
+    ('FeatureAlignment', 'FeatureAlignment', {}, ()),
+    ('ControlTolerances', 'ControlTolerances', {}, ()),
 ]
 UNITS = ('radians', 'degrees', 'diagonals', 'turns', 'bytes')
 
@@ -167,6 +169,8 @@ def test_options_have_the_same_names_defaults_and_units(headers, struct, functio
             if isinstance(expected, str) and expected.startswith('as '):
                 structure, member = expected[3:].split('.')
                 expected = value_of(members(headers, structure + 'Options')[member][0])
+            if default == '{}' and dataclasses.is_dataclass(python[here]):
+                expected = type(python[here])()
             same = python[here] == pytest.approx(expected) if isinstance(expected, float) else \
                 python[here] == expected or not python[here] and not expected or expected == 'automatic'
             assert same, f'{function}: {here} = {python[here]!r}, C++: {default}'

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Errors name the elements, as attributes; messages speak Python."""
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -28,6 +30,9 @@ def test_messages_speak_python():
     run = alcap.run_field(soup_V, soup_F, n=1, repairs=['weld'])
     assert run.holds and run.report['options']['repairs'] == ['weld']
     assert '::' not in str(run.report)
+    S, M = alcap.energy_matrices(alcap.connect(alcap.Surface(V, F)), 1)
+    _, report = alcap.smallest_eigenpair(S, M, 12.0, method='lanczos', max_iterations=1, tolerance=1e-14)
+    assert not report['converged'] and 'max_iterations' in report['message'] and '::' not in str(report)
 
 
 def test_option_error():
@@ -103,3 +108,76 @@ def test_wide_indices_of_matrices_do_not_wrap():
     wide.indices = wide.indices + 2**32  # the same in 32 bits
     with pytest.raises(alcap.OptionError, match='32 bits'):
         alcap.factorise(wide)
+
+
+def refused(cases):
+    """Calls each of (field, value, part of the rule, call): an OptionError that says all three."""
+    for field, value, rule, call in cases:
+        with pytest.raises(alcap.OptionError) as raised:
+            call()
+        error = raised.value
+        assert (error.field, error.value) == (field, value), str(error)
+        assert rule in error.rule and field in str(error) and value in str(error)
+
+
+def test_arrays_of_the_wrong_shape_or_type_are_named():
+    ring = alcap.Surface(V, F)
+    surface, frames = alcap.connect(ring), alcap.connect(ring).frames
+    refused((
+        ('V', "<class 'list'>", 'array of numbers', lambda: alcap.Surface([[0, 1, 2], [3]], F)),
+        ('V', 'array of shape (42, 2) of float64', '(#V, 3)', lambda: alcap.Surface(V[:, :2], F)),
+        ('V', 'array of shape (42, 3) of complex128', 'real numbers', lambda: alcap.Surface(V * 1j, F)),
+        ('F', 'array of shape (80, 2) of int32', '(#F, 3)', lambda: alcap.Surface(V, F[:, :2])),
+        ('F', 'array of shape (80, 3) of float64', 'integers', lambda: alcap.Surface(V, F.astype(float))),
+        ('u', 'array of shape (1) of <U1', 'wrong type', lambda: alcap.Field(1, np.array(['a']), frames)),
+        ('u', 'array of shape (5) of float64', 'shape (42,)', lambda: alcap.Field(1, np.zeros(5), frames)),
+        ('vertices', 'array of shape (1, 2) of int64', 'one dimension',
+         lambda: alcap.stroke_along_vertices(ring, np.zeros((1, 2), dtype=np.int64))),
+        ('pairs', "<class 'list'>", '(k, 2)', lambda: alcap.edges_between(ring, [1, 2, 3])),
+        ('barycentric', '2', 'row per face', lambda: alcap.polyline_through(ring, [0], [[1, 0, 0], [0, 1, 0]])),
+        ('N', '3', 'as many rows as X', lambda: alcap.Frames(np.zeros((2, 3)), np.zeros((3, 3)))),
+        ('w', '2', 'row per frame', lambda: surface.frames.components(np.zeros((2, 3)))),
+    ))
+
+
+def test_values_that_mean_nothing_are_named():
+    ring = alcap.Surface(V, F)
+    surface = alcap.connect(ring)
+    field = alcap.smoothest_field(ring).field
+    curves = alcap.streamlines(surface, field)
+    many = str(len(curves))
+    peaks = dataclasses.replace(alcap.sharp_edges(ring), vertices=['peak'])
+    refused((
+        ('n', '0', 'at least 1', lambda: alcap.Field(0, field.u, surface.frames)),
+        ('s', '2', '[0, 1]', lambda: alcap.edge_value(surface, field, 0, 2)),
+        ('face', '-1', 'must be a face', lambda: alcap.field_value(surface, field, -1, (1, 0, 0))),
+        ('h', '-1', 'must be a halfedge', lambda: surface.rho_along(-1)),
+        ('k', many, 'must be a curve', lambda: alcap.transport_along_curve(surface, curves, len(curves), 1)),
+        ('vertices', 'peak', 'not a kind of vertex', lambda: alcap.write_sharp('none.sharp', ring, peaks)),
+        ('target', 'speed', 'must be one of', lambda: alcap.connect(ring, 'metric', target={'speed': np.zeros(42)})),
+        ('connection', 'flat', 'must be one of', lambda: alcap.connect(ring, 'flat')),
+        ('length_factor', 'wide', 'must be one of', lambda: alcap.connect(ring, length_factor='wide')),
+        ('spacings', '1', 'not an option of curves', lambda: alcap.streamlines(surface, field, spacings=1)),
+        ('prove_smallest', 'perhaps', "'always'", lambda: alcap.smoothest_field(ring, prove_smallest='perhaps')),
+        ('control', 'round', 'SingularityTarget', lambda: alcap.Designer(surface, n=1).add('round')),
+    ))
+    for call in (lambda: curves[len(curves)], lambda: curves.length(len(curves))):
+        with pytest.raises(IndexError):
+            call()
+
+
+def test_matrices_that_are_none_are_named(tmp_path):
+    import scipy.sparse
+    one = scipy.sparse.identity(3, format='csc', dtype=complex)
+
+    def of(indices, indptr):
+        return lambda: alcap._alcap.factorise((one.data, np.array(indices), np.array(indptr)), 'auto', 0, 1e-9, 9)
+    refused((
+        ('A', '3 x 4', 'square', lambda: alcap.factorise(scipy.sparse.eye(3, 4))),
+        ('A', '4 x 3', 'square', lambda: alcap.write_matrix(tmp_path / 'A.npz', scipy.sparse.eye(4, 3))),
+        ('A', '3 entries', 'compressed', of([0, 1, 2], [0, 1, 2, 4])),
+        ('A', '1', 'ends before it starts', of([0, 1, 2], [0, 2, 1, 3])),
+        ('A', '7', 'not a row', of([0, 1, 7], [0, 1, 2, 3])),
+        ('B', '5', 'row per row', lambda: alcap.factorise(one).solve(np.ones(5))),
+        ('M', '2', 'rows', lambda: alcap.smallest_eigenpair(one, scipy.sparse.identity(2, format='csc'), 1.0)),
+    ))

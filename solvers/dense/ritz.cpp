@@ -28,6 +28,7 @@ Ritz rayleigh_ritz(const MatrixX<std::complex<double>>& S, const MatrixX<std::co
   const VectorX<double> scale = length.unaryExpr([](double l) { return l > 0 && std::isfinite(l) ? 1 / l : 0.0; });
   const Dense unit = scale.asDiagonal() * M * scale.asDiagonal();
   const Dense T = scale.asDiagonal() * orthonormal(unit, dependent);
+  if (T.cols() == 0) return {VectorX<double>(), Dense(M.rows(), 0)};  // no direction has a length
   const Dense H = T.adjoint() * S * T;
   const Eigenpairs<std::complex<double>> projected = hermitian_eigenpairs<std::complex<double>>(H);
   count = std::min(count, T.cols());

@@ -14,7 +14,8 @@ struct Ritz {
 };
 
 /// Rayleigh-Ritz in a basis whose Gram matrices are S and M (m x m, Hermitian). Directions of the unit-length basis
-/// that carry less than `dependent` of its whole are dropped: rounding made them. At most `count` pairs.
+/// that carry less than `dependent` of its whole are dropped: rounding made them. At most `count` pairs; none where no
+/// vector has a positive length.
 [[nodiscard]] Ritz rayleigh_ritz(const MatrixX<std::complex<double>>& S, const MatrixX<std::complex<double>>& M,
                                  Eigen::Index count, double dependent);
 

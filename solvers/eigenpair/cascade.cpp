@@ -101,7 +101,7 @@ class Cascade {
       mass[j] = sum;
     });
     const double total = parallel_sum<double>(S.rows(), [&](std::int64_t j) { return mass[j]; });
-    if (!(total > 0)) throw SolveError("the mass matrix is zero or not positive");
+    if (!(total > 0)) throw SolveError("the mass matrix M is zero or not positive");
     hierarchy_.build({.S = S, .M = &M, .sigma = -relative_shift / problem.area}, transports ? &M : nullptr,
                      options.cancel);
     pencil_.S_scale = 1 / hierarchy_.unit();
@@ -431,6 +431,9 @@ void look_for_lower(const EigenProblem& problem, const EigenOptions& options, Ca
   refined.iterations += before;
 }
 
+/// What to do where it is too large for that unasked.
+std::string ask_for_a_factor() { return "EigenOptions::solver '" + preferred_factorisation() + "' asks for it"; }
+
 /// The way out when the cascade does not arrive: a factorisation.
 EigenResult factorised(const EigenProblem& problem, EigenOptions options, const std::string& why) {
   if (options.solver == "auto" || options.solver == "multigrid") options.solver = preferred_factorisation();
@@ -467,7 +470,8 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   }
   if (refined.u.size() == 0 || refined.end == Refined::End::indefinite) {
     if (problem.S.rows() > factorisable_rows)
-      throw SolveError("the problem is unfit for multigrid, and too large to be factorised unasked");
+      throw SolveError("the problem is unfit for multigrid, and too large to be factorised unasked; " +
+                       ask_for_a_factor());
     return factorised(problem, options, "the problem is unfit for multigrid: factorised instead");
   }
   EigenResult result;
@@ -481,7 +485,7 @@ EigenResult smallest_lobpcg(const EigenProblem& problem, const EigenOptions& opt
   const std::string why = "LOBPCG stopped at a residual of " + rounded_text(result.report.residual) + " after " +
                           std::to_string(refined.iterations) + " iterations: ";
   if (problem.S.rows() <= factorisable_rows) return factorised(problem, options, why + "factorised instead");
-  result.report.message = why + "too large to be factorised instead";
+  result.report.message = why + "too large to be factorised unasked; " + ask_for_a_factor();
   return result;
 }
 

@@ -93,7 +93,9 @@ class InverseIteration {
     const Dense M = X.adjoint() * times(problem_.M, X);
     const Dense S = X.adjoint() * times(problem_.S, X);
     const Ritz ritz = rayleigh_ritz(S, M, X.cols(), dependent);
-    if (!(ritz.values.size() > 0) || !ritz.coefficients.allFinite()) throw SolveError("inverse iteration broke down");
+    if (ritz.values.size() == 0 && X.allFinite()) throw_mass(problem_.M);
+    if (!(ritz.values.size() > 0) || !ritz.coefficients.allFinite())
+      throw SolveError("inverse iteration broke down; EigenOptions::method 'lanczos' is more robust");
     Y = X * ritz.coefficients;
     return ritz.values;
   }

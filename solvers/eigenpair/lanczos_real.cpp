@@ -44,7 +44,11 @@ class RealProblem final : public LanczosProblem {
   double check() override {
     pencil_.M(u_.data(), Mu_.data());
     const double square = u_.dot(Mu_);
-    if (!(square > 0)) throw SolveError("the mass matrix is not positive definite");
+    if (!(square > 0))
+      throw SolveError(u_.allFinite() && !u_.isZero(0)
+                           ? "the mass matrix M is not positive definite"
+                           : "the linear solver returned zeros or values that are not finite; try another "
+                             "EigenOptions::solver");
     u_ /= std::sqrt(square);
     Mu_ /= std::sqrt(square);
     pencil_.S(u_.data(), Su_.data());
@@ -92,7 +96,7 @@ RealPair smallest_lanczos_real(const RealPencil& pencil, const EigenOptions& opt
 RealPair smallest_dense_real(const SparseMatrix<double>& S, const SparseMatrix<double>& M, double scale,
                              const EigenOptions& options) {
   const auto pairs = generalised_eigenpairs<double>(MatrixX<double>(S), MatrixX<double>(M));
-  if (!pairs) throw SolveError("the mass matrix is not positive definite");
+  if (!pairs) throw_mass(M);
   RealPair result;
   result.u = pairs->vectors.col(0);
   EigenReport& report = result.report;

@@ -76,7 +76,7 @@ class Modes {
 
   void densely(EigenModes& result) {
     auto pairs = generalised_eigenpairs<complex<double>>(Dense(problem_.S), Dense(problem_.M));
-    if (!pairs) throw SolveError("the mass matrix is not positive definite");
+    if (!pairs) throw_mass(problem_.M);
     X_ = pairs->vectors.leftCols(wanted_);
     values_ = pairs->values.head(wanted_);
     result.solver = "dense";
@@ -87,7 +87,9 @@ class Modes {
   void ritz() {
     const Dense S = X_.adjoint() * times(problem_.S, X_), M = X_.adjoint() * times(problem_.M, X_);
     const Ritz ritz = rayleigh_ritz(0.5 * (S + S.adjoint()), 0.5 * (M + M.adjoint()), X_.cols(), dependent_modes);
-    if (ritz.values.size() == 0 || !ritz.coefficients.allFinite()) throw SolveError("the search for modes broke down");
+    if (ritz.values.size() == 0 && X_.allFinite()) throw_mass(problem_.M);
+    if (ritz.values.size() == 0 || !ritz.coefficients.allFinite())
+      throw SolveError("the search for modes broke down; try another EigenOptions::method");
     X_ = X_ * ritz.coefficients;
     values_ = ritz.values;
   }
@@ -200,6 +202,7 @@ class Modes {
   void search_all(EigenModes& result) {
     X_.resize(rows_, 0);
     search(wanted_ + guard, options_.seed);
+    if (X_.cols() == 0) throw_mass(problem_.M);  // a start vector has no positive length
     for (int round = 1; round <= most_searches; ++round) {
       polish();
       std::int64_t missing = prove(result);

@@ -78,7 +78,13 @@ PairCheck check_pair(const EigenProblem& problem, ComplexVector& u, ComplexVecto
   Mu.resize(u.size());
   hermitian_product(problem.M, u.data(), Mu.data());
   const double norm = std::sqrt(u.dot(Mu).real());
-  if (!(norm > 0)) throw SolveError("the mass matrix is not positive definite");
+  if (!(norm > 0)) {
+    if (!u.allFinite() || u.isZero(0))
+      throw SolveError(
+          "the linear solver returned zeros or values that are not finite; try another "
+          "EigenOptions::solver");
+    throw_mass(problem.M);
+  }
   u /= norm;
   Mu /= norm;
   hermitian_product(problem.S, u.data(), Su.data());
@@ -95,6 +101,12 @@ PairCheck check_distance(const EigenProblem& problem, ComplexVector& u, ComplexV
   PairCheck check = check_pair(problem, u, Su, Mu);
   check.distance = inverse_mass_norm(problem.M, Su - check.lambda * Mu);
   return check;
+}
+
+PairCheck check_residual(const EigenProblem& problem, double lambda, const ComplexVector& r) {
+  return {.lambda = lambda,
+          .energy = energy(problem, lambda, [&](std::int64_t j) { return std::norm(r[j]); }),
+          .distance = inverse_mass_norm(problem.M, r)};
 }
 
 double sine_tolerance(const EigenOptions& options) {
@@ -177,8 +189,10 @@ void conclude(const EigenProblem& problem, const EigenOptions& options, EigenRes
   const PairCheck floor = rounding_floor(problem, result.u, check.lambda);
   report.converged = check.residual <= std::max(floor.residual, options.residual_tolerance()) &&
                      check.energy <= std::max(floor.energy, options.residual_tolerance());
-  report.message = report.converged ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
-                                    : not_reached;
+  report.message = report.converged
+                       ? "the residual is limited by rounding, badly shaped triangles are the usual reason: "
+                         "repair them, or take a larger EigenOptions::tolerance"
+                       : not_reached;
 }
 
 void fix_phase(ComplexVector& u) {
@@ -247,8 +261,10 @@ ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& opti
     try {
       result.solver->factorise(result.A);
       return result;
-    } catch (const SolveError&) {
-      if (attempt + 1 == shifts.size()) throw;
+    } catch (const SolveError& e) {
+      if (attempt + 1 < shifts.size()) continue;
+      throw SolveError(std::string(e.what()) + " (the matrix is S - sigma M with sigma = " + number_text(result.sigma) +
+                       ": S must not be negative, and M positive definite)");
     }
   }
 }
@@ -256,7 +272,7 @@ ShiftInverted shift_invert(const EigenProblem& problem, const EigenOptions& opti
 EigenResult smallest_dense(const EigenProblem& problem, const EigenOptions& options) {
   using Dense = MatrixX<std::complex<double>>;
   const auto pairs = generalised_eigenpairs<std::complex<double>>(Dense(problem.S), Dense(problem.M));
-  if (!pairs) throw SolveError("the mass matrix is not positive definite");
+  if (!pairs) throw_mass(problem.M);
   EigenResult result;
   result.report.solver = "dense";
   result.u = pairs->vectors.col(0);

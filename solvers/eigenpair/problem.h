@@ -4,12 +4,14 @@
 // tiny problems. Internal to solvers/.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "alcap/backends.h"
+#include "alcap/errors.h"
 #include "alcap/solve.h"
 
 namespace alcap::detail {
@@ -36,6 +38,10 @@ struct PairCheck {
 [[nodiscard]] PairCheck check_distance(const EigenProblem& problem, ComplexVector& u, ComplexVector& Su,
                                        ComplexVector& Mu);
 
+/// Energy and distance of the residual r = S u - lambda M u, |u|_M = 1, of a problem that has more in it than these
+/// matrices, M as a part of its mass: the distance is then an upper bound.
+[[nodiscard]] PairCheck check_residual(const EigenProblem& problem, double lambda, const ComplexVector& r);
+
 /// An angle that rests on an estimate of the second eigenvalue is believed where residuals are below this.
 inline constexpr double residual_with_estimate = 1e-6;
 /// Fields whose eigenvalues differ by less than this part of max(lambda, 1/area) count as equally smooth: neither shape
@@ -53,7 +59,21 @@ void judge_angle(const EigenProblem& problem, const EigenOptions& options, doubl
 [[nodiscard]] PairCheck rounding_floor(const EigenProblem& problem, const ComplexVector& u, double lambda);
 
 /// EigenReport::message where the tolerance was not reached.
-inline constexpr const char* not_reached = "the residual asked for was not reached";
+inline constexpr const char* not_reached =
+    "the residual asked for was not reached: try another EigenOptions::solver or EigenOptions::method, or a larger "
+    "EigenOptions::tolerance or EigenOptions::max_iterations";
+
+/// Throws SolveError: M is not positive definite, with an entry of the diagonal that shows it, if there is one.
+template <class Scalar>
+[[noreturn]] void throw_mass(const SparseMatrix<Scalar>& M) {
+  for (Eigen::Index j = 0; j < M.rows(); ++j) {
+    const double entry = std::real(M.coeff(j, j));
+    if (!(entry > 0))
+      throw SolveError("the mass matrix M is not positive definite: entry " + std::to_string(j) +
+                       " of its diagonal is " + number_text(entry));
+  }
+  throw SolveError("the mass matrix M is not positive definite, although its diagonal is positive");
+}
 
 /// Fills `converged`, `lambda`, `residual`, `distance` and `message` from a last check against the tolerance, fixes the
 /// phase. Where an angle is enough it is that which `next` allows.
@@ -114,6 +134,12 @@ inline constexpr double next_accuracy = 1e-3;
 /// from plan_proof().
 void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bool own, EigenResult& result,
                     std::optional<double> memory = {}, std::shared_ptr<const EigenvalueCounter> counter = {});
+
+/// The same for a problem that has more in it than these matrices, and S - sigma M is positive definite wherever it is:
+/// `rest` tells whether it is at sigma, where these matrices are, or nothing where rounding does not allow an answer.
+/// `next` is not established, and a pair that is refuted stays.
+void prove_smallest_with(const EigenProblem& problem, const EigenOptions& options,
+                         const std::function<std::optional<bool>(double sigma)>& rest, EigenResult& result);
 
 /// Before a solve by LOBPCG that may be followed by a proof: what the proof needs, where it takes no longer than such a
 /// solve usually does. Where it would, `options` then ask for none: the solve has to rest on itself, and does not end

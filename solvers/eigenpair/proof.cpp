@@ -73,6 +73,8 @@ class Proof {
     return cheap_beside(counter_, problem_.S.rows(), result_.report.iterations);
   }
 
+  [[nodiscard]] const EigenvalueCounter& counter() const { return counter_; }
+
   /// Whether the pair at hand is the smallest; sets the bound and the next one.
   Verdict decide(std::optional<double> candidate, bool upper_bound) {
     EigenReport& report = result_.report;
@@ -182,6 +184,15 @@ double missed_part(Eigen::Index rows, int steps) {
   return std::min(1.0, root * root);
 }
 
+/// Why no proof is tried, if so.
+std::string no_proof(const EigenProblem& problem, const EigenOptions& options, const EigenReport& report) {
+  if (options.prove_smallest == Prove::never) return "no proof was asked for";
+  if (!report.converged) return "the eigenpair did not converge";
+  if (!asks_for_proof(options, problem.S.rows()))
+    return "more than " + std::to_string(automatic_rows) + " rows: EigenOptions::prove_smallest asks for it";
+  return {};
+}
+
 /// What an independent search that found nothing lower is worth, in words.
 std::string confidence(Eigen::Index rows, const EigenReport& found) {
   const double part = missed_part(rows, std::clamp(found.iterations, 1, search_steps));
@@ -258,6 +269,37 @@ bool asks_for_proof(const EigenOptions& options, Eigen::Index rows) {
          (options.prove_smallest == Prove::automatic && rows <= automatic_rows);
 }
 
+void prove_smallest_with(const EigenProblem& problem, const EigenOptions& options,
+                         const std::function<std::optional<bool>(double sigma)>& rest, EigenResult& result) {
+  EigenReport& report = result.report;
+  const Stopwatch timer;
+  report.next.reset();
+  report.smallest_note = no_proof(problem, options, report);
+  if (!report.smallest_note.empty()) return;
+  const ControlScope scope(options.cancel);
+  const Proof proof(problem, result, nullptr);
+  if (!proof.fits({})) {
+    report.smallest_note = "too large to be factorised";
+    return;
+  }
+  const EigenvalueCounter& counter = proof.counter();
+  const double scale = scale_of(problem, report.lambda);
+  const double least = std::max(bound_margin * scale, counter.uncertainty(result.u, report.lambda));
+  const double margin = std::max(least, 4 * report.residual * scale);
+  const EigenvalueCounter::Count count = counter.below(report.lambda - margin, 0);
+  const std::optional<bool> definite = count.complete && count.reliable ? rest(count.sigma) : std::nullopt;
+  if (!count.complete || !definite.value_or(true)) {
+    report.smallest = Smallest::refuted;
+    report.smallest_note = "a smaller eigenvalue exists and was not found";
+  } else if (!definite || !(margin <= largest_margin * scale)) {
+    report.smallest_note = "rounding does not allow a proof";
+  } else {
+    report.smallest = Smallest::proven;
+    report.lower_bound = count.sigma;
+  }
+  report.proof_seconds = timer.seconds();
+}
+
 std::shared_ptr<const EigenvalueCounter> plan_proof(const EigenProblem& problem, EigenOptions& options) {
   if (options.prove_smallest != Prove::automatic || !asks_for_proof(options, problem.S.rows())) return nullptr;
   const ControlScope scope(options.cancel);
@@ -276,10 +318,7 @@ void prove_smallest(const EigenProblem& problem, const EigenOptions& options, bo
   const Stopwatch timer;
   const auto unchecked = [&](std::string why) { result.report.smallest_note = std::move(why); };
   std::optional<double> candidate = std::exchange(result.report.next, std::nullopt);
-  if (options.prove_smallest == Prove::never) return unchecked("no proof was asked for");
-  if (!result.report.converged) return unchecked("the eigenpair did not converge");
-  if (!asks_for_proof(options, problem.S.rows()))
-    return unchecked("more than " + std::to_string(automatic_rows) + " rows: EigenOptions::prove_smallest asks for it");
+  if (std::string why = no_proof(problem, options, result.report); !why.empty()) return unchecked(std::move(why));
   const ControlScope scope(options.cancel);
   const bool planned = counter != nullptr;
   Proof proof(problem, result, std::move(counter));

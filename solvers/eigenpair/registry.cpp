@@ -68,6 +68,12 @@ std::string choose(const EigenOptions& options, Eigen::Index rows) {
   return rows <= detail::dense_eigen_rows ? "dense" : cascade ? "lobpcg" : "lanczos";
 }
 
+[[noreturn]] void throw_no_memory(const EigenOptions& options, Eigen::Index rows) {
+  const char* advice =
+      choose(options, rows) == "lobpcg" ? detail::more_memory : "; EigenOptions::method 'lobpcg' needs least";
+  throw SolveError(std::string("eigensolver: out of memory") + advice);
+}
+
 bool own_method(const std::string& name) {
   constexpr const char* own[] = {"dense", "lanczos", "lobpcg", "inverse-iteration"};
   return std::find(std::begin(own), std::end(own), name) != std::end(own);
@@ -181,7 +187,7 @@ EigenResult smallest_eigenpair(const SparseMatrix<std::complex<double>>& S, cons
     result.report.seconds = timer.seconds();
     return result;
   } catch (const std::bad_alloc&) {
-    throw SolveError("eigensolver: out of memory");
+    throw_no_memory(options, S.rows());
   }
 }
 
@@ -205,7 +211,7 @@ EigenModes eigenpairs(const SparseMatrix<std::complex<double>>& S, const SparseM
     modes.seconds = timer.seconds();
     return modes;
   } catch (const std::bad_alloc&) {
-    throw SolveError("eigensolver: out of memory");
+    throw_no_memory(options, S.rows());
   }
 }
 

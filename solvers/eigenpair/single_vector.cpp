@@ -163,7 +163,7 @@ class Refinement {
           }
           add_neighbours(first, count, Sx, Mx, sum.data() + 9);
         });
-    if (!(sums[3] > 0)) throw SolveError("the mass matrix is not positive definite");
+    if (!(sums[3] > 0)) throw SolveError("the mass matrix M is not positive definite");
     residual_unit_ = std::sqrt(sums[1]) * std::max(lambda_, options_.floor);
     residual_ = std::sqrt(sums[0]) / residual_unit_;
     lambda_ = sums[2] / sums[3];

@@ -36,13 +36,17 @@ template <class Scalar>
 /// Of complex systems only: real ones go through RealSystems.
 [[nodiscard]] SolverPtr<std::complex<double>> make_multigrid(const SolverOptions& options);
 
-/// Runs a step of a backend; running out of memory becomes a SolveError that names the step.
+/// What to do where memory runs out: factors take most, multigrid and gradients little more than the matrix.
+inline constexpr const char* less_than_a_factor = "; the solver 'multigrid' needs a small part of it";
+inline constexpr const char* more_memory = "; use a smaller mesh or a machine with more memory";
+
+/// Runs a step of a backend; running out of memory becomes a SolveError that names the step and gives the advice.
 template <class Step>
-void guarded(const std::string& name, Step&& step) {
+void guarded(const std::string& name, const char* advice, Step&& step) {
   try {
     step();
   } catch (const std::bad_alloc&) {
-    throw SolveError(name + ": out of memory");
+    throw SolveError(name + ": out of memory" + advice);
   }
 }
 

@@ -52,11 +52,11 @@ class Common {
       case CHOLMOD_DSMALL:
         return;
       case CHOLMOD_OUT_OF_MEMORY:
-        throw SolveError(where + "out of memory");
+        throw SolveError(where + "out of memory" + less_than_a_factor);
       case CHOLMOD_TOO_LARGE:
-        throw SolveError(where + "the problem is too large for the ordering or for 64-bit sizes");
+        throw SolveError(where + "the problem is too large; the solver 'multigrid' orders and factorises nothing");
       case CHOLMOD_NOT_INSTALLED:
-        throw SolveError(where + "this CHOLMOD was built without the ordering asked for");
+        throw SolveError(where + "this CHOLMOD was built without the ordering; the solver 'cholmod-amd' needs none");
       default:
         throw SolveError(where + "failed with status " + std::to_string(c.status));
     }
@@ -113,7 +113,7 @@ class Cholmod final : public LinearSolver<Scalar> {
     used_ = asked_;
     if (asked_ == Ordering::automatic) used_ = A.rows() > cholmod_metis_above_rows ? Ordering::metis : Ordering::amd;
     common_.c.method[0].ordering = used_ == Ordering::metis ? CHOLMOD_METIS : CHOLMOD_AMD;
-    guarded("CHOLMOD analysis", [&] {
+    guarded("CHOLMOD analysis", less_than_a_factor, [&] {
       View<Scalar> view(A);
       std::unique_lock<std::mutex> lock(metis_lock(), std::defer_lock);
       if (used_ == Ordering::metis) lock.lock();
@@ -126,7 +126,7 @@ class Cholmod final : public LinearSolver<Scalar> {
 
   void factorise(const SparseMatrix<Scalar>& A) override {
     stages_.begin_factorisation(A);
-    guarded("CHOLMOD factorisation", [&] {
+    guarded("CHOLMOD factorisation", less_than_a_factor, [&] {
       View<Scalar> view(A);
       cholmod_l_factorize(&view.a, L_, &common_.c);
     });
@@ -135,7 +135,7 @@ class Cholmod final : public LinearSolver<Scalar> {
       const std::size_t pivot = std::min(L_->minor, L_->n - 1);
       not_positive_definite(static_cast<const SuiteSparse_long*>(L_->Perm)[pivot], "not positive definite");
     }
-    guarded("CHOLMOD factorisation", [&] {
+    guarded("CHOLMOD factorisation", less_than_a_factor, [&] {
       check_pivots(A);
       index_factor();
     });

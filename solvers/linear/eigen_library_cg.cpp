@@ -67,7 +67,7 @@ class EigenCg final : public LinearSolver<Scalar> {
 
   void analyse(const SparseMatrix<Scalar>& A) override {
     stages_.begin_analysis(A);
-    guarded("Eigen CG analysis", [&] {
+    guarded("Eigen CG analysis", more_memory, [&] {
       // Eigen's arrays do not survive a resize without memory: the old ones are given up first.
       Matrix().swap(A_);
       preconditioner_.emplace();
@@ -78,7 +78,7 @@ class EigenCg final : public LinearSolver<Scalar> {
 
   void factorise(const SparseMatrix<Scalar>& A) override {
     stages_.begin_factorisation(A);
-    guarded("Eigen CG factorisation", [&] {
+    guarded("Eigen CG factorisation", more_memory, [&] {
       A_ = A;
       preconditioner_->inverse_diagonal = A_.diagonal();
       for (Eigen::Index j = 0; j < A.rows(); ++j) {
@@ -99,7 +99,7 @@ class EigenCg final : public LinearSolver<Scalar> {
   SolveReport solve(const Eigen::Ref<const MatrixX<Scalar>>& B, Eigen::Ref<MatrixX<Scalar>> X) const override {
     const Stopwatch timer;
     SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
-    guarded("Eigen CG solve", [&] {
+    guarded("Eigen CG solve", more_memory, [&] {
       for (Eigen::Index c = 0; c < B.cols(); ++c) column(B.col(c), X.col(c), report);
     });
     report.converged = report.residual <= options_.tolerance;
@@ -138,7 +138,8 @@ class EigenCg final : public LinearSolver<Scalar> {
     }
     // x' A x = x' b up to the residual: negative only where A is.
     if (residual <= options_.tolerance && std::real(x.dot(b)) < 0) {
-      throw SolveError("Eigen CG: the matrix is not positive definite");
+      throw SolveError("Eigen CG: the matrix is not positive definite; a factorisation (the solver '" +
+                       preferred_factorisation() + "') says at which column");
     }
     out = x;
     report.iterations = std::max(report.iterations, iterations);

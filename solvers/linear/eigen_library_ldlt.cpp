@@ -20,7 +20,7 @@ class EigenLdlt final : public LinearSolver<Scalar> {
 
   void analyse(const SparseMatrix<Scalar>& A) override {
     stages_.begin_analysis(A);
-    guarded("Eigen LDLT analysis", [&] {
+    guarded("Eigen LDLT analysis", less_than_a_factor, [&] {
       ldlt_.emplace();  // Eigen's arrays do not survive a resize without memory: the old ones are given up first
       ldlt_->analyzePattern(Wide(A));
     });
@@ -29,7 +29,7 @@ class EigenLdlt final : public LinearSolver<Scalar> {
 
   void factorise(const SparseMatrix<Scalar>& A) override {
     stages_.begin_factorisation(A);
-    guarded("Eigen LDLT factorisation", [&] {
+    guarded("Eigen LDLT factorisation", less_than_a_factor, [&] {
       ldlt_->factorize(Wide(A));
       check_pivots(A);
     });
@@ -41,7 +41,7 @@ class EigenLdlt final : public LinearSolver<Scalar> {
     SolveReport report = stages_.begin_solve<Scalar>(B, X, name());
     report.converged = true;
     if (B.cols() == 0) return report;
-    guarded("Eigen LDLT solve", [&] { X = ldlt_->solve(B); });
+    guarded("Eigen LDLT solve", less_than_a_factor, [&] { X = ldlt_->solve(B); });
     report.solve_seconds = timer.seconds();
     return report;
   }

@@ -19,6 +19,9 @@ using Matrix = SparseMatrix<complex<double>>;
 
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
+constexpr const char* no_memory_to_count =
+    "inertia: out of memory; EigenOptions::prove_smallest 'never' leaves the count out of a solve";
+
 /// calls use(i, j) for the entries of column j above the diagonal, in positions.
 template <class Use>
 void for_upper(const Matrix& A, const std::vector<Index>& column, const std::vector<Index>& position, Index j,
@@ -131,7 +134,7 @@ Multifrontal::Multifrontal(const Matrix& A) {
     predict();
     cut_subtrees();
   } catch (const std::bad_alloc&) {
-    throw SolveError("inertia: out of memory");
+    throw SolveError(no_memory_to_count);
   }
 }
 
@@ -437,7 +440,7 @@ PivotCount Multifrontal::count(const Matrix& A, const VectorX<double>& weights, 
     for (Eigen::Index j = 0; j < g.size(); ++j) result.growth = std::max(result.growth, g[j] / weights[j]);
     return result;
   } catch (const std::bad_alloc&) {
-    throw SolveError("inertia: out of memory");
+    throw SolveError(no_memory_to_count);
   }
 }
 

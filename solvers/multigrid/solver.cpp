@@ -57,7 +57,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
         throw SolveError("multigrid: the transport has another pattern than the matrix");
       hierarchy_.build({.S = A_}, given ? &transport_ : nullptr, options_.cancel);
     } catch (const std::bad_alloc&) {
-      throw SolveError("multigrid: out of memory");
+      throw SolveError(std::string("multigrid: out of memory") + more_memory);
     }
     stages_.factorised(hierarchy_.nonzeros());
   }
@@ -66,7 +66,7 @@ class Multigrid final : public LinearSolver<complex<double>> {
                     Eigen::Ref<MatrixX<complex<double>>> X) const override {
     const Stopwatch timer;
     SolveReport report = stages_.begin_solve<complex<double>>(B, X, own_name);
-    guarded("multigrid solve", [&] { columns(B, X, report); });
+    guarded("multigrid solve", more_memory, [&] { columns(B, X, report); });
     report.converged = report.residual <= options_.tolerance;
     report.solve_seconds = timer.seconds();
     return report;
@@ -131,7 +131,9 @@ class Multigrid final : public LinearSolver<complex<double>> {
       parallel_for(n, [&](std::int64_t i) { p[i] = z[i] + beta * p[i]; });
       hermitian_product(A_, p.data(), Ap.data());
       curvature = dot(p, Ap);
-      if (!(curvature > 0)) throw SolveError("multigrid: the matrix is not positive definite");
+      if (!(curvature > 0))
+        throw SolveError("multigrid: the matrix is not positive definite; a factorisation (the solver '" +
+                         preferred_factorisation() + "') says at which column");
       const double alpha = dot(r, p) / curvature;
       parallel_for(n, [&](std::int64_t i) {
         x[i] += alpha * p[i];
@@ -160,8 +162,15 @@ class Multigrid final : public LinearSolver<complex<double>> {
     const std::lock_guard<std::mutex> lock(*direct_lock_);
     if (!direct_) {
       auto direct = make_linear_solver<complex<double>>({.name = preferred_factorisation(), .cancel = options_.cancel});
-      direct->analyse(A_);
-      direct->factorise(A_);
+      try {
+        direct->analyse(A_);
+        direct->factorise(A_);
+      } catch (const SolveError& e) {
+        std::string what = e.what();
+        if (const std::size_t advice = what.find(less_than_a_factor); advice != std::string::npos)
+          what.replace(advice, std::string::npos, more_memory);  // multigrid was tried
+        throw SolveError("multigrid stalled, and so it was factorised: " + what);
+      }
       direct_ = std::move(direct);
     }
     return *direct_;

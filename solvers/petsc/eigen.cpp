@@ -214,6 +214,8 @@ class Run {
     return EPSStoppingBasic(eps, iterations, most, converged, wanted, reason, nullptr);
   }
 
+  static constexpr int most_breakdowns = 5;
+
   /// From u and into u; whether SLEPc says that it converged.
   bool solve(Vector& u, double tolerance, EigenReport& report) {
     EPS eps = eps_.get();
@@ -221,10 +223,19 @@ class Run {
       const OwnedVec start = wrapped(u.data(), u.size());
       Vec space = start.get();
       check(EPSSetTolerances(eps, std::max(tolerance, 1e-16), std::max(1, options_.max_iterations - used_)));
-      check(EPSSetInitialSpace(eps, 1, &space));
-      const PetscErrorCode code = EPSSolve(eps);
-      escape_.rethrow();
-      check(code);
+      // Where the directions of a block lose their rank, LOBPCG ends with an error of LAPACK. It begins again, and what
+      // it adds to the start at random is different then.
+      for (int breakdowns = 0;; ++breakdowns) {
+        check(EPSSetInitialSpace(eps, 1, &space));
+        const PetscErrorCode code = EPSSolve(eps);
+        escape_.rethrow();
+        if (code == PETSC_ERR_LIB && method_ == Method::lobpcg && breakdowns < most_breakdowns) {
+          forget_error();
+          continue;
+        }
+        check(code);
+        break;
+      }
     }
     PetscInt iterations = 0;
     PetscInt converged = 0;

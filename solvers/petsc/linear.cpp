@@ -42,7 +42,7 @@ class Solver final : public LinearSolver<C> {
         throw SolveError(name_ + ": the matrix is not positive definite (its diagonal is not positive at column " +
                          std::to_string(j) + ")");
     const Session session;
-    guarded(name_, [&] {
+    guarded(name_, advice(), [&] {
       A_ = A;
       ksp_.reset();
       matrix_ = matrix(A_);
@@ -57,7 +57,7 @@ class Solver final : public LinearSolver<C> {
       check(KSPGetPC(ksp_.get(), &pc));
       check(PCGetFailedReason(pc, &failed));
       if (failed != PC_NOERROR)
-        throw SolveError(name_ + ": the factorisation failed, the matrix is singular or memory ran out");
+        throw SolveError(name_ + ": the factorisation failed: the matrix is singular, or memory ran out" + advice());
       stages_.factorised(entries(pc));
     });
   }
@@ -66,7 +66,7 @@ class Solver final : public LinearSolver<C> {
     const Stopwatch timer;
     SolveReport report = stages_.begin_solve<C>(B, X, name_);
     const Session session;
-    guarded(name_ + " solve", [&] {
+    guarded(name_ + " solve", advice(), [&] {
       for (Eigen::Index c = 0; c < B.cols(); ++c) column(B.col(c), X.col(c), report);
     });
     report.converged = report.residual <= options_.tolerance || (direct() && std::isfinite(report.residual));
@@ -78,6 +78,7 @@ class Solver final : public LinearSolver<C> {
 
  private:
   [[nodiscard]] bool direct() const { return kind_ == Kind::mumps; }
+  [[nodiscard]] const char* advice() const { return direct() ? less_than_a_factor : more_memory; }
 
   void choose() {
     KSP ksp = ksp_.get();
@@ -158,7 +159,9 @@ class Solver final : public LinearSolver<C> {
     check(KSPGetConvergedReason(ksp, &reason));
     check(KSPGetIterationNumber(ksp, &iterations));
     if (reason == KSP_DIVERGED_INDEFINITE_MAT || reason == KSP_DIVERGED_INDEFINITE_PC) throw_indefinite();
-    if (reason == KSP_DIVERGED_PC_FAILED) throw SolveError(name_ + ": the preconditioner or factorisation failed");
+    if (reason == KSP_DIVERGED_PC_FAILED)
+      throw SolveError(name_ + ": the preconditioner or factorisation failed; take another solver, such as '" +
+                       preferred_factorisation() + "'");
     return std::max(1, static_cast<int>(iterations));
   }
 

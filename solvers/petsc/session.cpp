@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "solvers/linear/backends.h"
 #include "src/base/cancel.h"
 
 namespace alcap::detail::petsc {
@@ -75,8 +76,10 @@ void check(PetscErrorCode code) {
     const char* text = nullptr;
     if (PetscErrorMessage(code, &text, nullptr) == 0 && text != nullptr) message = text;
   }
-  throw SolveError(code == PETSC_ERR_MEM ? "PETSc: out of memory" : "PETSc: " + message);
+  throw SolveError(code == PETSC_ERR_MEM ? std::string("PETSc: out of memory") + more_memory : "PETSc: " + message);
 }
+
+void forget_error() { first_message().clear(); }
 
 OwnedMat matrix(const Hermitian& A) {
   if (!A.isCompressed()) {

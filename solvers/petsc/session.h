@@ -44,6 +44,8 @@ class Session {
 
 /// Throws SolveError with PETSc's message when `code` is an error.
 void check(PetscErrorCode code);
+/// After a code that is not checked because something else is tried: the next error has its own message.
+void forget_error();
 
 /// An object of PETSc. Destroyed under a session, and left alone once PETSc is finalised.
 template <class Handle, PetscErrorCode (*destroy)(Handle*)>

@@ -18,6 +18,8 @@
 #include <type_traits>
 #include <utility>
 
+#include "src/base/pages.h"
+
 namespace alcap::detail {
 
 /// A signed number as an index of the standard library's containers.
@@ -38,7 +40,9 @@ class Array {
   Array() = default;
   /// Unset elements, also of types whose constructors would set zeros (std::complex).
   explicit Array(std::int64_t size)
-      : data_(size > 0 ? static_cast<T*>(::operator new(at(size) * sizeof(T))) : nullptr), size_(size) {}
+      : data_(size > 0 ? static_cast<T*>(::operator new(at(size) * sizeof(T))) : nullptr), size_(size) {
+    if (size > 0) use_large_pages(data_, at(size) * sizeof(T));
+  }
   Array(std::int64_t size, const T& value) : Array(size) { std::fill_n(data_, size, value); }
   Array(Array&& other) noexcept : data_(std::exchange(other.data_, nullptr)), size_(std::exchange(other.size_, 0)) {}
   Array& operator=(Array&& other) noexcept {

@@ -58,6 +58,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   if (final_.empty()) fail("this symbolic link leads in a circle", 0);
   struct stat old = {};
   const bool exists = ::stat(final_.c_str(), &old) == 0;
+  if (!exists && final_ != target_) fail(leads_nowhere(final_), 0);
   if (exists && S_ISDIR(old.st_mode)) fail("this is a folder; give the name of a file", 0);
   if (exists && !S_ISREG(old.st_mode)) {
     // A pipe opens when it has a reader.

@@ -7,8 +7,8 @@
 // when commit() was not reached (an exception). So the target is complete or what it was before, also after a power
 // cut. A process that is killed leaves its temporary name: find_leftovers() recognises it, nobody deletes it.
 //
-// A target that exists and is no regular file (a pipe, /dev/stdout) is written directly; a symbolic link is followed,
-// also to a file that does not exist yet. Every failure is a FileError with the target's path.
+// A target that exists and is no regular file (a pipe, /dev/stdout) is written directly; a symbolic link is followed
+// to the file it names, and refused where there is none. Every failure is a FileError with the target's path.
 //
 //   alcap::detail::AtomicFile file("out/mesh.off");
 //   file.write("OFF\n");
@@ -39,6 +39,10 @@ void sync_folder(const std::filesystem::path& folder) noexcept;
 /// Where a chain of symbolic links ends, whether anything is there or not; `path` itself when it is none. Nothing for
 /// links that form a circle.
 [[nodiscard]] std::filesystem::path follow_links(const std::filesystem::path& path);
+
+/// What is wrong with an output that is a link to `end`, where nothing is. Most likely the link is out of date; a file
+/// somewhere else than its name says would be found by nobody.
+[[nodiscard]] std::string leads_nowhere(const std::filesystem::path& end);
 
 class AtomicFile {
  public:

@@ -41,4 +41,8 @@ std::filesystem::path follow_links(const std::filesystem::path& path) {
   return {};
 }
 
+std::string leads_nowhere(const std::filesystem::path& end) {
+  return "this symbolic link leads to " + end.string() + ", which does not exist; create it, or remove the link";
+}
+
 }  // namespace alcap::detail

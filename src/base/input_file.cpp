@@ -115,7 +115,8 @@ class Reader {
       // A writer has come and gone; what it may have left is read first.
       if (got == 0 && (one.revents & (POLLHUP | POLLIN)) == POLLHUP) return bytes;
       if (silence.seconds() > (met ? limits_.silent_seconds : limits_.writer_seconds))
-        fail(met ? "whoever writes into this pipe has stopped; give a file" : "nobody writes into this pipe");
+        fail(met ? "the program that writes into this pipe has stopped; give a file"
+                 : "no program writes into this pipe");
     }
   }
 

@@ -14,6 +14,9 @@ namespace alcap::detail {
 /// Faces, and vertices: 3 halfedges per face have numbers.
 inline constexpr std::int64_t most_faces = std::numeric_limits<Index>::max() / 3;
 
+/// Vertices or faces of a mesh that no rank holds as a whole: those have numbers, their halfedges only on their rank.
+inline constexpr std::int64_t most_numbered = std::numeric_limits<Index>::max();
+
 /// Entries of a sparse matrix, whose places are numbered.
 inline constexpr std::int64_t most_entries = std::numeric_limits<Index>::max();
 

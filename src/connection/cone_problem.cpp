@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "src/base/array.h"
-#include "src/base/parallel.h"
 #include "src/connection/cone_index.h"
 #include "src/connection/grounded_laplacian.h"
 
@@ -24,14 +23,19 @@ VectorX<double> adjustment_across(const Mesh& mesh, const VectorX<double>& x) {
   return alpha;
 }
 
+VectorX<double> cone_weights(const Mesh& mesh, const Geometry& geometry) {
+  VectorX<double> weight(mesh.edges());
+  for (Index e = 0; e < mesh.edges(); ++e)
+    weight[e] = mesh.boundary_halfedge(mesh.halfedge(e)) ? 0.0 : raised_weight(mesh, geometry, e);
+  return weight;
+}
+
 ConeProblem::ConeProblem(const Mesh& mesh, const Geometry& geometry, const Topology& topology)
-    : mesh_(mesh), geometry_(geometry), topology_(topology), weight_(mesh.edges()), defect_(mesh.vertices()) {
-  for (Index e = 0; e < mesh.edges(); ++e) {
-    const Index h = mesh.halfedge(e), g = mesh.twin(h);
-    weight_[e] =
-        g == none ? 0.0
-                  : std::max(least_cotangent_weight, 0.5 * (geometry.cot(Mesh::prev(h)) + geometry.cot(Mesh::prev(g))));
-  }
+    : mesh_(mesh),
+      geometry_(geometry),
+      topology_(topology),
+      weight_(cone_weights(mesh, geometry)),
+      defect_(mesh.vertices()) {
   for (Index v = 0; v < mesh.vertices(); ++v) defect_[v] = geometry.defect(mesh, v);
   loop_of_vertex_.assign(at(mesh.vertices()), none);
   for (std::size_t l = 0; l < topology.loops.size(); ++l)
@@ -65,12 +69,8 @@ Vector ConeProblem::right_hand_side(const Vector& vertex_index, const std::vecto
 
 std::vector<double> ConeProblem::loop_turns(const Vector& x) const {
   std::vector<double> turns(topology_.loops.size(), 0.0);
-  for (Index e = 0; e < mesh_.edges(); ++e) {
-    const Index h = mesh_.halfedge(e);
-    if (mesh_.boundary_halfedge(h)) continue;
-    if (const Index l = loop_of(mesh_.tail(h)); l != none) turns[at(l)] += x[e];
-    if (const Index l = loop_of(mesh_.tip(h)); l != none) turns[at(l)] -= x[e];
-  }
+  add_flow_of_loops(
+      mesh_, x, [&](Index v) { return loop_of(v); }, turns);
   for (Index v = 0; v < mesh_.vertices(); ++v)
     if (const Index l = loop_of(v); l != none) turns[at(l)] += defect_[v];
   for (double& t : turns) t /= 2 * pi<double>;
@@ -129,13 +129,7 @@ Vector ConeProblem::potentials(const Vector& b) const {
 
 // w A' mu
 Vector ConeProblem::flow(const Vector& mu) const {
-  Vector x(mesh_.edges());
-  parallel_for(mesh_.edges(), [&](std::int64_t e) {
-    const Index h = mesh_.halfedge(static_cast<Index>(e));
-    const Index i = node(mesh_.tail(h)), j = node(mesh_.tip(h));
-    x[e] = weight_[e] * ((i == none ? 0.0 : mu[i]) - (j == none ? 0.0 : mu[j]));
-  });
-  return x;
+  return flow_between(mesh_, weight_, [&](Index v) { return node(v) == none ? 0.0 : mu[node(v)]; });
 }
 
 // Signed sum of x over the edges that a strip crosses.

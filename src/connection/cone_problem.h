@@ -14,6 +14,8 @@
 
 #include "alcap/connection.h"
 #include "alcap/solve.h"
+#include "src/base/array.h"
+#include "src/base/parallel.h"
 
 namespace alcap::detail {
 
@@ -26,6 +28,32 @@ struct ConeWish {
 
 /// The adjustment angle of every halfedge for rotations x across the edges: half of them on each side.
 [[nodiscard]] VectorX<double> adjustment_across(const Mesh& mesh, const VectorX<double>& x);
+
+/// #E: the weight w of each edge inside, zero on the boundary.
+[[nodiscard]] VectorX<double> cone_weights(const Mesh& mesh, const Geometry& geometry);
+
+/// x = w A' mu, with the potential mu(v) at each vertex.
+template <class Potential>
+[[nodiscard]] VectorX<double> flow_between(const Mesh& mesh, const VectorX<double>& weight, const Potential& mu) {
+  VectorX<double> x(mesh.edges());
+  parallel_for(mesh.edges(), [&](std::int64_t e) {
+    const Index h = mesh.halfedge(static_cast<Index>(e));
+    x[e] = weight[e] * (mu(mesh.tail(h)) - mu(mesh.tip(h)));
+  });
+  return x;
+}
+
+/// Adds to turns[l], in radians, what x takes from the vertices v with loop_of(v) = l; `none` for those that do not
+/// count.
+template <class LoopOf>
+void add_flow_of_loops(const Mesh& mesh, const VectorX<double>& x, const LoopOf& loop_of, std::vector<double>& turns) {
+  for (Index e = 0; e < mesh.edges(); ++e) {
+    const Index h = mesh.halfedge(e);
+    if (mesh.boundary_halfedge(h)) continue;
+    if (const Index l = loop_of(mesh.tail(h)); l != none) turns[at(l)] += x[e];
+    if (const Index l = loop_of(mesh.tip(h)); l != none) turns[at(l)] -= x[e];
+  }
+}
 
 /// The Poisson problem over interior vertices and boundary loops.
 class ConeProblem {

@@ -3,6 +3,7 @@
 // construction.cpp: directions of edges and faces in the frames of vertices, by a walk around each vertex.
 #include "src/connection/construction.h"
 
+#include "src/base/pages.h"
 #include "src/base/parallel.h"
 
 namespace alcap::detail {
@@ -59,12 +60,12 @@ Connection build_connection(const Mesh& mesh, const Geometry& geometry, const Ve
                             const VectorX<double>& alpha, PolarCenter center, LiftedResiduals& residuals) {
   Connection c;
   c.alpha = alpha;
-  c.rho.resize(mesh.edges());
-  c.rho_e.resize(2 * std::int64_t{mesh.edges()});
-  c.rho_t.resize(mesh.halfedges());
-  c.eps.resize(mesh.edges());
-  residuals.start.resize(mesh.halfedges());
-  residuals.end.resize(mesh.halfedges());
+  resize_unset(c.rho, mesh.edges());
+  resize_unset(c.rho_e, 2 * std::int64_t{mesh.edges()});
+  resize_unset(c.rho_t, mesh.halfedges());
+  resize_unset(c.eps, mesh.edges());
+  resize_unset(residuals.start, mesh.halfedges());
+  resize_unset(residuals.end, mesh.halfedges());
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     walk_around(mesh, geometry, vertex_curvature, center, static_cast<Index>(v), c, residuals);
   });
@@ -82,8 +83,8 @@ Connection polar_start(const Mesh& mesh, const Geometry& geometry, PolarCenter c
 }
 
 void close_faces(const Mesh& mesh, const LiftedResiduals& r, Connection& c) {
-  c.tau.resize(mesh.halfedges());
-  c.K.resize(mesh.faces());
+  resize_unset(c.tau, mesh.halfedges());
+  resize_unset(c.K, mesh.faces());
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     double sum = 0;
     for (Index h = static_cast<Index>(3 * t); h < 3 * t + 3; ++h) {

@@ -18,6 +18,14 @@ namespace alcap::detail {
 /// matrix and a valid connection.
 inline constexpr double least_cotangent_weight = 1e-3;
 
+/// The cotangent weight of edge e, raised.
+[[nodiscard]] inline double raised_weight(const Mesh& mesh, const Geometry& geometry, Index e) {
+  const Index h = mesh.halfedge(e), g = mesh.twin(h);
+  double w = geometry.cot(Mesh::prev(h)) / 2;
+  if (g != none) w += geometry.cot(Mesh::prev(g)) / 2;
+  return std::max(w, least_cotangent_weight);
+}
+
 /// Cotangent Laplacian, #V x #V, one vertex of each component tied to the ground, ones for unreferenced vertices.
 [[nodiscard]] inline SparseMatrix<double> grounded_laplacian(const Mesh& mesh, const Geometry& geometry,
                                                              const Topology& topology) {
@@ -25,16 +33,13 @@ inline constexpr double least_cotangent_weight = 1e-3;
   entries.reserve(4 * at(mesh.edges()) + at(mesh.vertices()));
   std::vector<double> largest(topology.components.size(), 0);
   for (Index e = 0; e < mesh.edges(); ++e) {
-    const Index h = mesh.halfedge(e), g = mesh.twin(h);
-    double w = geometry.cot(Mesh::prev(h)) / 2;
-    if (g != none) w += geometry.cot(Mesh::prev(g)) / 2;
-    w = std::max(w, least_cotangent_weight);
-    const Index i = mesh.tail(h), j = mesh.tip(h);
+    const Index h = mesh.halfedge(e), i = mesh.tail(h), j = mesh.tip(h);
+    const double w = raised_weight(mesh, geometry, e);
     entries.emplace_back(i, i, w);
     entries.emplace_back(j, j, w);
     entries.emplace_back(i, j, -w);
     entries.emplace_back(j, i, -w);
-    double& most = largest[at(topology.vertex_component[static_cast<std::size_t>(i)])];
+    double& most = largest[at(topology.vertex_component[at(i)])];
     most = std::max(most, w);
   }
   std::vector<bool> grounded(topology.components.size(), false);

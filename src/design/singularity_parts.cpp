@@ -88,12 +88,14 @@ double carried_turn(const Mesh& mesh, const Geometry& geometry, Index from, Inde
 }
 
 std::vector<SingularityPart> singularity_parts(const Mesh& mesh, const Geometry& geometry, int n,
-                                               const SingularityTarget& target) {
+                                               const SingularityTarget& target,
+                                               const std::function<void(Index)>& visited) {
   if (target.count == 1) return {{.face = target.face}};
   const double unit = std::sqrt(geometry.area(target.face));
   std::vector<Unfolded> chosen;
   std::set<Index> taken;
   walk(mesh, geometry, target.face, [&](const Unfolded& at) {
+    if (visited) visited(at.face);
     const auto vertex = [&](Index c) { return mesh.F()(at.face, c); };
     if (taken.count(vertex(0)) + taken.count(vertex(1)) + taken.count(vertex(2)) > 0) return false;
     for (const Unfolded& other : chosen)

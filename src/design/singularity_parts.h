@@ -4,6 +4,7 @@
 // face, and how one of index +-k/n is made of k of index +-1/n. Internal to design.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "alcap/controls.h"
@@ -26,9 +27,11 @@ struct SingularityPart {
 
 /// The zeros of a control: one in its face, the others in the nearest faces some way apart, with fluxes that make
 /// the pattern u = c / prod_l conj(z - z_l), or its conjugate for sign -1, with z_l the barycenters in the unfolded
-/// plane. Throws OptionError when the component has too few faces.
+/// plane. Throws OptionError when the component has too few faces. visited(t), if it is given, hears of every face t
+/// whose neighbours are looked at.
 [[nodiscard]] std::vector<SingularityPart> singularity_parts(const Mesh& mesh, const Geometry& geometry, int n,
-                                                             const SingularityTarget& target);
+                                                             const SingularityTarget& target,
+                                                             const std::function<void(Index)>& visited = {});
 
 /// The same target in another face: its direction is carried there, a pin goes to the barycenter.
 [[nodiscard]] SingularityTarget moved(const Mesh& mesh, const Geometry& geometry, int n,

@@ -41,6 +41,17 @@ std::vector<Root> find_roots(const Patch& patch, const std::vector<Index>& label
   return all;
 }
 
+/// The number of each label, by pairs of both; `none` stays.
+std::vector<Index> numbered(const std::vector<Index>& label, std::vector<std::array<Index, 2>> number) {
+  std::sort(number.begin(), number.end());
+  std::vector<Index> out;
+  out.reserve(label.size());
+  for (const Index l : label)
+    out.push_back(l == none ? none
+                            : (*std::ranges::lower_bound(number, l, {}, [](const auto& pair) { return pair[0]; }))[1]);
+  return out;
+}
+
 /// Adds up over the ranks what each rank counts of every component.
 void count_elements(const Patch& patch, Components& c) {
   const Mesh& mesh = patch.mesh;
@@ -71,8 +82,8 @@ void count_elements(const Patch& patch, Components& c) {
   }
 }
 
-/// Every boundary loop is counted at its smallest vertex.
-void count_loops(const Patch& patch, Components& c) {
+/// The smallest vertex of the boundary loop of each inner vertex, `none` off the boundary.
+std::vector<Index> loop_labels(const Patch& patch) {
   const Mesh& mesh = patch.mesh;
   std::vector<char> used(at(patch.inner), 0);
   std::vector<std::array<Index, 2>> edges;
@@ -82,7 +93,12 @@ void count_loops(const Patch& patch, Components& c) {
     if (!mesh.boundary_halfedge(h) || i >= patch.inner || j >= patch.inner) continue;
     edges.push_back({i, j});
   }
-  const std::vector<Index> label = smallest_joined(patch, edges, used);
+  return smallest_joined(patch, edges, used);
+}
+
+/// Every boundary loop is counted at its smallest vertex.
+void count_loops(const Patch& patch, Components& c) {
+  const std::vector<Index> label = loop_labels(patch);
   std::vector<std::int64_t> loops(c.list.size(), 0);
   for (Index v = 0; v < patch.owned; ++v)
     if (label[at(v)] == patch.vertex[at(v)]) ++loops[at(c.of_vertex[at(v)])];
@@ -134,6 +150,39 @@ std::vector<Index> smallest_joined(const Patch& patch, const std::vector<std::ar
   return label;
 }
 
+BoundaryLoops find_loops(const Patch& patch, const Components& components) {
+  struct Start {
+    Index face, corner, label, component;  // the first two: of the users' halfedge
+    [[nodiscard]] std::array<Index, 2> halfedge() const { return {face, corner}; }
+  };
+  const std::vector<Index> label = loop_labels(patch);
+  std::vector<Start> mine;
+  for (Index h = 0; h < patch.mesh.halfedges(); ++h) {
+    const Index v = patch.mesh.tail(h);
+    if (v < patch.owned && patch.mesh.boundary_halfedge(h))
+      mine.push_back({patch.face[at(h / 3)], h % 3, label[at(v)], components.of_vertex[at(v)]});
+  }
+  const auto first_of_each = [](std::vector<Start>& starts) {
+    std::ranges::sort(starts, [](const Start& a, const Start& b) {
+      return std::array{a.label, a.face, a.corner} < std::array{b.label, b.face, b.corner};
+    });
+    const auto same_label = [](const Start& a, const Start& b) { return a.label == b.label; };
+    starts.erase(std::unique(starts.begin(), starts.end(), same_label), starts.end());
+  };
+  first_of_each(mine);
+  std::vector<Start> all = gather_all(mine);
+  first_of_each(all);
+  std::ranges::sort(all, {}, &Start::halfedge);
+  BoundaryLoops loops;
+  std::vector<std::array<Index, 2>> number;  // label, loop
+  for (const Start& start : all) {
+    number.push_back({start.label, static_cast<Index>(loops.component.size())});
+    loops.component.push_back(start.component);
+  }
+  loops.of_vertex = numbered(label, std::move(number));
+  return loops;
+}
+
 Components find_components(const Patch& patch) {
   const Mesh& mesh = patch.mesh;
   std::vector<char> used(at(patch.inner), 0);
@@ -152,10 +201,7 @@ Components find_components(const Patch& patch) {
     c.list.emplace_back();
     c.list.back().first_face = root.first_face;
   }
-  std::sort(number.begin(), number.end());
-  for (const Index l : label)
-    c.of_vertex.push_back(
-        l == none ? none : (*std::ranges::lower_bound(number, l, {}, [](const auto& n) { return n[0]; }))[1]);
+  c.of_vertex = numbered(label, std::move(number));
   count_elements(patch, c);
   count_loops(patch, c);
   return c;

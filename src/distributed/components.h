@@ -19,6 +19,13 @@ struct Components {
 /// Needs the patch's geometry.
 [[nodiscard]] Components find_components(const Patch& patch);
 
+/// Boundary loops over all ranks.
+struct BoundaryLoops {
+  std::vector<Index> component;  ///< of each, in the order of their smallest boundary halfedges; the same on all ranks
+  std::vector<Index> of_vertex;  ///< per inner vertex, `none` off the boundary
+};
+[[nodiscard]] BoundaryLoops find_loops(const Patch& patch, const Components& components);
+
 /// The smallest user's number of the vertices that each inner vertex is joined to by `edges` (pairs of inner vertices)
 /// of all ranks; `none` where `used` is 0.
 [[nodiscard]] std::vector<Index> smallest_joined(const Patch& patch, const std::vector<std::array<Index, 2>>& edges,

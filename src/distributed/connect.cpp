@@ -52,13 +52,18 @@ double PatchWeights::operator()(Index h) const {
 Connection connect(const Patch& patch, const Components& components, const DistributedOptions& options) {
   validate(options.global);
   const ConnectionKind kind = options.connection.kind;
-  if (kind != ConnectionKind::polar && kind != ConnectionKind::local && kind != ConnectionKind::global)
-    throw OptionError("connection", std::string(name(kind)), "must be polar, polar-barycenter, local or global here");
+  const bool flat = kind == ConnectionKind::trivial || kind == ConnectionKind::metric;
+  if (!flat && !(options.cones.empty() && options.loop_index.empty()))
+    throw OptionError(options.cones.empty() ? "loop_index" : "cones", "given",
+                      "is of trivial and metric connections; " + std::string(name(kind)) + " has none");
   Connection c;
   LiftedResiduals r;
   const PolarCenter center = kind == ConnectionKind::polar ? options.connection.center : PolarCenter::incenter;
-  if (!patch.empty()) c = polar_start(patch.mesh, patch.geometry, center, r);
   const PatchWeights weights(patch, components, options.global);
+  if (flat)
+    c = connect_cones(patch, components, weights, options, r);
+  else if (!patch.empty())
+    c = polar_start(patch.mesh, patch.geometry, center, r);
   if (kind == ConnectionKind::local && !patch.empty()) optimise_locally(patch.mesh, c, r);
   if (kind == ConnectionKind::global) optimise_together(patch, weights, options.global, c, r);
   c.kind = kind;

@@ -30,4 +30,12 @@ class PatchWeights {
 void optimise_together(const Patch& patch, const PatchWeights& weights, const GlobalOptions& options, Connection& c,
                        LiftedResiduals& r);
 
+/// The same over rho_{v->t} and rho_{v->e} alone, as optimise_with_held_rotations() of construction.h.
+void optimise_held_together(const Patch& patch, const Components& components, const PatchWeights& weights,
+                            const GlobalOptions& options, Connection& c, LiftedResiduals& r);
+
+/// A trivial or metric connection, as those of trivial.cpp. Throws OptionError.
+[[nodiscard]] Connection connect_cones(const Patch& patch, const Components& components, const PatchWeights& weights,
+                                       const DistributedOptions& options, LiftedResiduals& r);
+
 }  // namespace alcap::detail::distributed

@@ -12,8 +12,11 @@
 #include "src/base/parallel.h"
 #include "src/connection/global/conjugate_gradients.h"
 #include "src/connection/global/edge_correction.h"
+#include "src/connection/global/flexible_conjugate_gradients.h"
 #include "src/connection/global/rounds.h"
+#include "src/connection/global/system.h"
 #include "src/distributed/connect.h"
+#include "src/distributed/linear.h"
 
 namespace alcap::detail::distributed {
 namespace {
@@ -85,10 +88,11 @@ class TogetherSystem {
  public:
   using Scalar = double;
 
-  TogetherSystem(const Patch& patch, const PatchWeights& weights, double lambda, const Connection& c,
-                 const LiftedResiduals& r)
+  TogetherSystem(const Patch& patch, const PatchWeights& weights, double lambda, Rotations rotations,
+                 const Connection& c, const LiftedResiduals& r)
       : patch_(patch),
         mesh_(patch.mesh),
+        rotations_(rotations),
         edges_(number_edges_of(patch)),
         c_(c),
         r_(r),
@@ -139,6 +143,32 @@ class TogetherSystem {
     return precondition();
   }
 
+  /// Sums over the owned edges of all ranks.
+  [[nodiscard]] double dot(const std::vector<Values>& a, const std::vector<Values>& b) const {
+    return sum(parallel_sum<double>(edges_.owned, [&](std::int64_t i) {
+      return a[at(i)][0] * b[at(i)][0] + a[at(i)][1] * b[at(i)][1] + a[at(i)][2] * b[at(i)][2];
+    }));
+  }
+
+  /// z = P r on owned edges.
+  void invert_blocks(const std::vector<Values>& r, std::vector<Values>& z) const {
+    parallel_for(edges_.owned, [&](std::int64_t i) {
+      const double in[3] = {r[at(i)][0], r[at(i)][1], r[at(i)][2]};
+      double out[3];
+      kernels::multiply_symmetric(inverse_[at(i)].a, in, out);
+      z[at(i)] = {out[0], out[1], out[2]};
+    });
+  }
+
+  /// q = A p on owned edges; fetches what others own of p.
+  void multiply(std::vector<Values>& p, std::vector<Values>& q) {
+    forces(p, true, q);
+    parallel_for(edges_.owned, [&](std::int64_t i) { q[at(i)] = {-q[at(i)][0], -q[at(i)][1], -q[at(i)][2]}; });
+  }
+
+  /// After start(): the forces on owned edges.
+  [[nodiscard]] const std::vector<Values>& residual() const { return r_edges_; }
+
  private:
   struct Block {
     double a[6];
@@ -156,24 +186,14 @@ class TogetherSystem {
       const Values& b = force_[at(g)];
       out[at(i)] = {a[0] + b[0], a[1] - b[1], b[2] - a[2]};
     });
+    if (rotations_ == Rotations::held)
+      for (Index i = 0; i < edges_.owned; ++i) out[at(i)][2] = 0;
   }
 
   /// z = P r, the inverse of every edge's own block; r' z.
   double precondition() {
-    parallel_for(edges_.owned, [&](std::int64_t i) {
-      const Values& r = r_edges_[at(i)];
-      const double in[3] = {r[0], r[1], r[2]};
-      double out[3];
-      kernels::multiply_symmetric(inverse_[at(i)].a, in, out);
-      z_[at(i)] = {out[0], out[1], out[2]};
-    });
+    invert_blocks(r_edges_, z_);
     return dot(r_edges_, z_);
-  }
-
-  [[nodiscard]] double dot(const std::vector<Values>& a, const std::vector<Values>& b) const {
-    return sum(parallel_sum<double>(edges_.owned, [&](std::int64_t i) {
-      return a[at(i)][0] * b[at(i)][0] + a[at(i)][1] * b[at(i)][1] + a[at(i)][2] * b[at(i)][2];
-    }));
   }
 
   template <class Body>
@@ -219,6 +239,7 @@ class TogetherSystem {
       for (int k = 0; k < 6; ++k) a[k] = k == 1 || k == 2 ? a[k] - b[k] : a[k] + b[k];
       a[2] = -a[2];
       a[4] = -a[4];
+      if (rotations_ == Rotations::held) a[2] = a[4] = a[5] = 0;
       kernels::invert_symmetric(a, inverse_[at(i)].a);
     });
   }
@@ -239,6 +260,7 @@ class TogetherSystem {
 
   const Patch& patch_;
   const Mesh& mesh_;
+  Rotations rotations_;
   EdgeNumbers edges_;
   const Connection& c_;
   const LiftedResiduals& r_;
@@ -254,15 +276,94 @@ class TogetherSystem {
   std::vector<Values> x;        ///< the corrections
 };
 
+void tell(const RefinementState& state, ConnectionReport& report) {
+  report.iterations = state.iterations;
+  report.residual = state.residual;
+  report.converged = state.converged;
+  if (!state.converged)
+    report.message = "the global connection stopped after " + std::to_string(state.iterations) +
+                     " iterations above its tolerance; raise GlobalOptions::max_iterations, "
+                     "GlobalOptions::tolerance or GlobalOptions::detail";
+}
+
 /// Rounds of conjugate gradients, each from the true gradient, as solve_free() of src/connection/global/solve.cpp.
 void solve(TogetherSystem& system, const GlobalOptions& options, ConnectionReport& report) {
   RefinementState state;
   Rounds rounds(options, system.rounding(), state);
   for (double square = system.start(); rounds.another(square) && !rounds.stalled(); square = system.start())
     rounds.add(conjugate_gradients(system, square, rounds.wanted(), rounds.left()));
-  report.iterations = state.iterations;
-  report.residual = state.residual;
-  report.converged = state.converged;
+  tell(state, report);
+}
+
+/// What joins the edges where rotations are held: conjugate gradients with the edges' blocks and a Poisson solve for
+/// turns of vertices, as src/connection/global/held_rotations.h.
+class HeldSpace {
+ public:
+  HeldSpace(const Patch& patch, const Components& components, TogetherSystem& system)
+      : patch_(patch),
+        system_(system),
+        // A preconditioner, as on one machine.
+        poisson_(assemble_laplacian(patch, components, std::vector<char>(at(patch.inner), 0)), nullptr, 1e-4, 1000) {}
+
+  double precondition(const std::vector<Values>& r, std::vector<Values>& z) const {
+    const EdgeNumbers& n = system_.edges();
+    system_.invert_blocks(r, z);
+    VectorX<double> b = VectorX<double>::Zero(patch_.inner);
+    each_edge(n, [&](std::size_t i, Index tail, Index tip) {
+      b[tail] += r[i][0] / 2 - r[i][1];
+      b[tip] += r[i][0] / 2 + r[i][1];
+    });
+    patch_.ring.reduce(b.data() + patch_.owned, b.data(), MPI_SUM);
+    ComplexVectorX<double> turn;
+    poisson_.solve(b.head(patch_.owned).cast<C>(), turn);
+    VectorX<double> g(patch_.inner);
+    g.head(patch_.owned) = turn.real();
+    patch_.extend(g.data());
+    each_edge(n, [&](std::size_t i, Index tail, Index tip) {
+      z[i][0] += (g[tail] + g[tip]) / 2;
+      z[i][1] += g[tip] - g[tail];
+    });
+    return system_.dot(r, z);
+  }
+  void product(std::vector<Values>& p, std::vector<Values>& q) const { system_.multiply(p, q); }
+  [[nodiscard]] double dot(const std::vector<Values>& a, const std::vector<Values>& b) const {
+    return system_.dot(a, b);
+  }
+  void combine(const std::vector<Values>& x, double s, const std::vector<Values>& d, std::vector<Values>& y) const {
+    parallel_for(system_.owned(), [&](std::int64_t i) {
+      for (std::size_t k = 0; k < 3; ++k) y[at(i)][k] = x[at(i)][k] + s * d[at(i)][k];
+    });
+  }
+
+ private:
+  template <class Body>
+  void each_edge(const EdgeNumbers& n, Body&& body) const {
+    for (Index i = 0; i < n.owned; ++i) {
+      const Index h = patch_.mesh.halfedge(n.edge[at(i)]);
+      body(at(i), patch_.mesh.tail(h), patch_.mesh.tip(h));
+    }
+  }
+
+  const Patch& patch_;
+  TogetherSystem& system_;
+  mutable LinearSystem poisson_;
+};
+
+/// As solve_held() of src/connection/global/solve.cpp.
+void solve_held_together(const HeldSpace& space, TogetherSystem& system, const GlobalOptions& options,
+                         ConnectionReport& report) {
+  RefinementState state;
+  Rounds rounds(options, system.rounding(), state);
+  int stalls = 0;
+  while (rounds.another(system.start())) {
+    stalls += rounds.stalled() ? 1 : 0;
+    if (stalls > 1) break;
+    std::vector<Values> residual = system.residual();
+    residual.resize(system.edges().edge.size(), Values{});
+    rounds.add(flexible_conjugate_gradients(space, std::max(least_held_reduction, rounds.wanted()), rounds.left(),
+                                            residual, system.x));
+  }
+  tell(state, report);
 }
 
 /// The mean turn of each inner vertex's corners, weighed by angle, as mean_turns() of src/connection/global/gauge.h.
@@ -310,18 +411,10 @@ std::vector<Angles> move_edges(const Patch& patch, const TogetherSystem& system,
   return angles;
 }
 
-}  // namespace
-
-void optimise_together(const Patch& patch, const PatchWeights& weights, const GlobalOptions& options, Connection& c,
-                       LiftedResiduals& r) {
+/// As move_corners() and close_faces() of src/connection/global, and move_edges(). turn: of each inner vertex.
+void write_back(const Patch& patch, const TogetherSystem& system, const PatchWeights& weights,
+                const std::vector<double>& turn, Connection& c, LiftedResiduals& r) {
   const Mesh& mesh = patch.mesh;
-  TogetherSystem system(patch, weights, options.detail, c, r);
-  solve(system, options, c.report);
-  if (!c.report.converged)
-    c.report.message = "the global connection stopped after " + std::to_string(c.report.iterations) +
-                       " iterations above its tolerance; raise GlobalOptions::max_iterations, "
-                       "GlobalOptions::tolerance or GlobalOptions::detail";
-  const std::vector<double> turn = turns(patch, system.corners);
   const auto each_core = [&](auto&& body) {
     parallel_for(mesh.faces(), [&](std::int64_t t) {
       if (patch.core[at(t)] != 0) body(static_cast<Index>(3 * t));
@@ -357,6 +450,23 @@ void optimise_together(const Patch& patch, const PatchWeights& weights, const Gl
     }
     c.K[h / 3] = -total;
   });
+}
+
+}  // namespace
+
+void optimise_together(const Patch& patch, const PatchWeights& weights, const GlobalOptions& options, Connection& c,
+                       LiftedResiduals& r) {
+  TogetherSystem system(patch, weights, options.detail, Rotations::free, c, r);
+  solve(system, options, c.report);
+  write_back(patch, system, weights, turns(patch, system.corners), c, r);
+}
+
+void optimise_held_together(const Patch& patch, const Components& components, const PatchWeights& weights,
+                            const GlobalOptions& options, Connection& c, LiftedResiduals& r) {
+  TogetherSystem system(patch, weights, options.detail, Rotations::held, c, r);
+  solve_held_together(HeldSpace(patch, components, system), system, options, c.report);
+  // Held rotations leave no gauge to fix.
+  write_back(patch, system, weights, std::vector<double>(at(patch.inner), 0), c, r);
 }
 
 }  // namespace alcap::detail::distributed

@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "src/base/array.h"
+#include "src/design/tolerances.h"
 #include "src/design/variational/free_fields.h"
+#include "src/distributed/design_guidance.h"
 #include "src/distributed/design_outcomes.h"
 #include "src/distributed/design_place.h"
 #include "src/distributed/design_system.h"
@@ -25,6 +27,7 @@ void check_options(const DistributedDesignOptions& o) {
   relative("tolerance", o.tolerance);
   relative("residual", o.residual);
   relative("eigen_tolerance", o.eigen_tolerance);
+  check_tolerances(o.tolerances);
   if (o.max_iterations < 1) throw OptionError("max_iterations", o.max_iterations, "must be at least 1");
   if (o.gather_below < 100) throw OptionError("gather_below", o.gather_below, "must be at least 100");
 }
@@ -39,6 +42,8 @@ DistributedOptions field_options(const DesignFile& design, const DistributedDesi
                      .tan_cap = c.tan_cap,
                      .tolerance = o.connection_tolerance,
                      .max_iterations = o.connection_iterations},
+          .cones = c.cones,
+          .loop_index = c.loops,
           .tolerance = o.eigen_tolerance,
           .max_iterations = o.max_iterations,
           .seed = o.seed,
@@ -68,9 +73,10 @@ class DesignRunner {
     stage_ = divide(mesh_, options_.partition, meter_, out_);
     for (const DistributedComponent& c : stage_.components.list) total_area_ += c.area;
     out_.design = place(design, mesh_, stage_);
-    connect(stage_, field_options_, meter_, out_);
-    const Frames frames = frames_of(stage_);
-    controls_ = local_controls(out_.design, stage_, frames, total_area_);
+    field_options_.cones = out_.design.connection.cones;
+    connect_at_path();
+    frames_ = frames_of(stage_);
+    controls_ = local_controls(out_.design, stage_, frames_, total_area_);
     matrices_ = assemble(stage_.patch, stage_.connection, design.n, design.s);
     meter_.done("assembly", out_.phases);
     const bool lone = controls_.empty() && design.guidance.source == Source::nothing;
@@ -84,21 +90,46 @@ class DesignRunner {
     meter_.done("solve", out_.phases);
 
     const Field field = extended(stage_.patch, design.n, u_);
-    conclude(stage_, frames, field, mesh_.V.rows(), out_);
+    conclude(stage_, frames_, field, mesh_.V.rows(), out_);
     if (!lone) remark_vanishing(field);
-    judge(stage_, controls_, field, out_);
-    certify(eigen_converged_, u_.allFinite(), options_.residual, out_);
+    judge(stage_, controls_, field, options_.tolerances, out_);
+    certify(stage_.connection, eigen_converged_, u_.allFinite(), options_.residual, out_);
     meter_.done("analysis", out_.phases);
   }
 
  private:
+  void connect_at_path() {
+    try {
+      connect(stage_, field_options_, meter_, out_);
+    } catch (const OptionError& e) {
+      if (e.field() != "connection") throw;
+      throw OptionError("/connection/kind", e.value(), e.rule());
+    }
+  }
+
+  /// As find_guidance() of src/run/guidance.cpp.
   void find_guidance(Source source) {
-    if (source != Source::smoothest) return;
-    u0_ = solve_components(stage_.patch, matrices_, stage_.components, field_options_);
-    for (const DistributedComponent& c : stage_.components.list) eigen_converged_ &= c.eigen.converged;
+    switch (source) {
+      case Source::nothing:
+      case Source::zero:
+        return;
+      case Source::smoothest:
+        u0_ = solve_components(stage_.patch, matrices_, stage_.components, field_options_);
+        for (const DistributedComponent& c : stage_.components.list) eigen_converged_ &= c.eigen.converged;
+        break;
+      case Source::curvature:
+      case Source::least_curvature:
+      case Source::strongest_curvature:
+        u0_ = curvature_together(stage_, {.n = out_.design.n,
+                                          .smallest = source == Source::least_curvature,
+                                          .by_magnitude = source == Source::strongest_curvature});
+        break;
+      case Source::file:
+        u0_ = field_of_file(out_.design.guidance.file.string(), mesh_, stage_, frames_, out_.design.n);
+        break;
+    }
     const double size = root_mean_square(stage_, u0_, total_area_);
-    if (!(size > 0) || !std::isfinite(size))
-      throw OptionError("/guidance/field", "smoothest", "this surface has no such directions");
+    if (!(size > 0) || !std::isfinite(size)) throw_no_directions(out_.design.guidance, source);
     u0_ /= size;
   }
 
@@ -106,7 +137,7 @@ class DesignRunner {
   void check_t(double t, double unit) {
     if (t < 0) return;
     Components components = stage_.components;
-    if (u0_.size() == 0) {
+    if (out_.design.guidance.source != Source::smoothest) {
       DistributedOptions few_digits = field_options_;
       few_digits.tolerance = 1e-6;
       (void)solve_components(stage_.patch, matrices_, components, few_digits);
@@ -189,6 +220,7 @@ class DesignRunner {
   Meter meter_;
   DistributedOptions field_options_;
   Stage stage_;
+  Frames frames_;  // of local vertices
   double total_area_ = 0;
   std::vector<LocalControl> controls_;
   Matrices matrices_;

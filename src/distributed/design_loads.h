@@ -19,9 +19,12 @@ struct LocalControl {
   DesignOutcome::Type type{};
   std::string path, name;
   std::optional<Control> asked;  ///< on every rank, in users' numbers: singularities and fixed vertices
-  std::optional<Control> here;   ///< the same in local numbers, on the rank that has it
-  ControlLoad load;              ///< of strokes and the boundary the rows that are this rank's
-  Index component = none;        ///< on the rank that has it
+  /// The same in local numbers, on the ranks that have a part of it; a target's face is `none` where only other parts
+  /// are.
+  std::optional<Control> here;
+  ControlLoad load;              ///< the parts and rows that are this rank's
+  std::vector<Index> row_order;  ///< number of each exact row among those of the control; empty: as they come
+  Index component = none;        ///< on the ranks that have a part
 };
 
 /// In the order of design_controls(). Throws OptionError, on all ranks.

@@ -6,36 +6,91 @@
 #include <cstdio>
 
 #include "src/base/array.h"
+#include "src/distributed/design_place.h"
 #include "src/run/design_stages.h"
+#include "src/run/remarks.h"
 
 namespace alcap::detail::distributed {
 namespace {
 
 using Type = DesignOutcome::Type;
 
-/// What one rank knows of a control.
+/// What one rank knows of a fixed vertex.
 struct PlainOutcome {
   std::size_t number;
-  int met, index;
-  double error_degrees, length_at_pin;
+  int met;
+  double error_degrees;
 };
 
-PlainOutcome judge_here(const Stage& stage, std::size_t number, const LocalControl& c, const Field& field,
-                        double longest) {
-  const Mesh& mesh = stage.patch.mesh;
-  ControlReport report;
-  double length_at_pin = 0;
-  if (const auto* target = std::get_if<SingularityTarget>(&*c.here)) {
-    report = judge_target(mesh, stage.connection, field, *target, c.load);
-    if (target->pin) {
-      length_at_pin = alcap::detail::length_at_pin(mesh, stage.patch.geometry, stage.connection, field, *target);
-      report.met = report.met && length_at_pin <= pinned_length;
-    }
-  } else {
-    const auto& fixed = std::get<VertexConstraint>(*c.here);
-    report = judge_fixed(fixed, field.n, field.u[fixed.vertex], longest);
+void judge_fixed_vertices(const std::vector<LocalControl>& controls, const Field& field, double longest,
+                          const ControlTolerances& tolerances, std::vector<DesignOutcome>& outcomes) {
+  std::vector<PlainOutcome> mine;
+  for (std::size_t k = 0; k < controls.size(); ++k) {
+    if (controls[k].type != Type::fixed || !controls[k].here) continue;
+    const auto& fixed = std::get<VertexConstraint>(*controls[k].here);
+    const ControlReport report = judge_fixed(fixed, field.n, field.u[fixed.vertex], longest, tolerances);
+    mine.push_back({k, report.met ? 1 : 0, report.error_degrees});
   }
-  return {number, report.met ? 1 : 0, report.index, report.error_degrees, length_at_pin};
+  for (const PlainOutcome& p : gather_all(mine)) {
+    outcomes[p.number].met = p.met != 0;
+    outcomes[p.number].error_degrees = p.error_degrees;
+  }
+}
+
+/// What one rank knows of a target.
+struct PlainTarget {
+  std::size_t number;
+  TargetTally tally;
+  double length_at_pin;  // 0 where the pin is another rank's
+};
+
+void judge_targets(const Stage& stage, const std::vector<LocalControl>& controls, const Field& field,
+                   const ControlTolerances& tolerances, std::vector<DesignOutcome>& outcomes) {
+  const Mesh& mesh = stage.patch.mesh;
+  std::vector<PlainTarget> mine;
+  for (std::size_t k = 0; k < controls.size(); ++k) {
+    const LocalControl& c = controls[k];
+    if (c.type != Type::singularity || !c.here) continue;
+    const auto& target = std::get<SingularityTarget>(*c.here);
+    PlainTarget& out = mine.emplace_back(PlainTarget{k, {}, 0});
+    out.tally.add(mesh, stage.connection, field, target, c.load);
+    if (target.pin && target.face != none)
+      out.length_at_pin = alcap::detail::length_at_pin(mesh, stage.patch.geometry, stage.connection, field, target);
+  }
+  std::vector<PlainTarget> all = gather_all(mine);
+  std::ranges::stable_sort(all, {}, &PlainTarget::number);
+  for (std::size_t i = 0; i < all.size();) {
+    PlainTarget sum = all[i];
+    for (++i; i < all.size() && all[i].number == sum.number; ++i) {
+      sum.tally.index += all[i].tally.index;
+      sum.tally.all = sum.tally.all && all[i].tally.all;
+      sum.tally.value += all[i].tally.value;
+      sum.length_at_pin = std::max(sum.length_at_pin, all[i].length_at_pin);
+    }
+    const auto& target = std::get<SingularityTarget>(*controls[sum.number].asked);
+    const ControlReport report = sum.tally.judge(field.n, target, tolerances);
+    DesignOutcome& outcome = outcomes[sum.number];
+    outcome.index = report.index;
+    outcome.error_degrees = report.error_degrees;
+    outcome.met = report.met && (!target.pin || sum.length_at_pin <= tolerances.pin_length);
+    outcome.length_at_pin = sum.length_at_pin;
+  }
+}
+
+/// Cones, on the ranks that own their vertices.
+void judge_cones_together(const Stage& stage, const std::vector<Cone>& cones, double tolerance_degrees,
+                          std::vector<DesignOutcome>& outcomes) {
+  struct Turns {
+    std::size_t cone;
+    double turns;
+  };
+  std::vector<Turns> mine;
+  for (std::size_t k = 0; k < cones.size(); ++k)
+    if (const Index v = own_vertex(stage.patch, cones[k].vertex); v != none)
+      mine.push_back({k, vertex_turns(stage.patch.mesh, stage.patch.geometry, stage.connection, v)});
+  std::vector<Turns> all = gather_all(mine);
+  std::ranges::sort(all, {}, &Turns::cone);
+  for (const Turns& t : all) outcomes.push_back(judge_cone(cones, t.cone, t.turns, tolerance_degrees));
 }
 
 /// The deviations of strokes and the boundary, summed over the ranks.
@@ -51,7 +106,7 @@ void judge_soft(const std::vector<LocalControl>& controls, const Field& field, s
   sum_all(sums);
   for (std::size_t k = 0; k < controls.size(); ++k) {
     if (controls[k].type != Type::stroke && controls[k].type != Type::boundary) continue;
-    const ControlReport report = Deviation{sums[2 * k], sums[2 * k + 1]}.judge();
+    const ControlReport report = Deviation{sums[2 * k], sums[2 * k + 1]}.judge(outcomes[k].tolerance_degrees);
     outcomes[k].met = report.met;
     outcomes[k].error_degrees = report.error_degrees;
   }
@@ -59,8 +114,9 @@ void judge_soft(const std::vector<LocalControl>& controls, const Field& field, s
 
 }  // namespace
 
-void judge(const Stage& stage, const std::vector<LocalControl>& controls, const Field& field, DistributedDesign& out) {
-  std::size_t numbers[4] = {};
+void judge(const Stage& stage, const std::vector<LocalControl>& controls, const Field& field,
+           const ControlTolerances& tolerances, DistributedDesign& out) {
+  std::size_t numbers[4] = {};  // of the types that controls have
   for (const LocalControl& c : controls) {
     DesignOutcome& outcome = out.outcomes.emplace_back();
     outcome.type = c.type;
@@ -68,20 +124,13 @@ void judge(const Stage& stage, const std::vector<LocalControl>& controls, const 
     outcome.path = c.path;
     outcome.name = c.name;
     outcome.control = c.asked;
+    set_tolerance(tolerances, DesignMethod::variational, outcome);
   }
   double longest = 0;
   for (Index v = 0; v < stage.patch.owned; ++v) longest = std::max(longest, std::abs(field.u[v]));
   longest = largest(longest);
-  std::vector<PlainOutcome> mine;
-  for (std::size_t k = 0; k < controls.size(); ++k)
-    if (controls[k].here) mine.push_back(judge_here(stage, k, controls[k], field, longest));
-  for (const PlainOutcome& p : gather_all(mine)) {
-    DesignOutcome& outcome = out.outcomes[p.number];
-    outcome.met = p.met != 0;
-    outcome.index = p.index;
-    outcome.error_degrees = p.error_degrees;
-    outcome.length_at_pin = p.length_at_pin;
-  }
+  judge_targets(stage, controls, field, tolerances, out.outcomes);
+  judge_fixed_vertices(controls, field, longest, tolerances, out.outcomes);
   judge_soft(controls, field, out.outcomes);
   for (DesignOutcome& outcome : out.outcomes) {
     if (outcome.type != Type::singularity) continue;
@@ -89,9 +138,11 @@ void judge(const Stage& stage, const std::vector<LocalControl>& controls, const 
     for (const DistributedSingularity& s : out.singularities)
       if (s.face == face) outcome.found = s;
   }
+  judge_cones_together(stage, out.cones, tolerances.cone_degrees, out.outcomes);
 }
 
-void certify(bool eigen_converged, bool finite, double largest_residual, DistributedDesign& out) {
+void certify(const Connection& connection, bool eigen_converged, bool finite, double largest_residual,
+             DistributedDesign& out) {
   DesignCertificate& c = out.certificate;
   c.connection_converged = out.connection.converged;
   c.eigen_converged = eigen_converged;
@@ -99,9 +150,15 @@ void certify(bool eigen_converged, bool finite, double largest_residual, Distrib
   c.index_sums_match = std::ranges::all_of(
       out.components, [](const DistributedComponent& d) { return d.indices.sum == d.indices.expected; });
   c.finite = !any(!finite);
-  for (const DesignOutcome& outcome : out.outcomes)
-    if (!outcome.met) out.remarks.push_back(unmet(outcome, none));
-  certificate_remarks(c, "; it needs more iterations, or rounding stops it: slivers are the usual reason", out.remarks);
+  for (const DesignOutcome& outcome : out.outcomes) {
+    if (outcome.met) continue;
+    Remark remark = unmet(outcome, out.design.n, none);
+    if (outcome.type == Type::cone) remark.first = {out.cones[outcome.number].vertex};
+    out.remarks.push_back(std::move(remark));
+  }
+  if (connection.flat && !connection.admits_parallel(out.n)) out.remarks.push_back(not_parallel(out.n));
+  const std::string remedy = "; it needs more iterations, or rounding stops it: slivers are the usual reason";
+  certificate_remarks(c, {.connection = remedy, .eigen = remedy, .linear = remedy}, out.remarks);
 }
 
 }  // namespace alcap::detail::distributed

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "src/base/array.h"
+#include "src/base/numbers.h"
 #include "src/curves/strokes/closest.h"
 #include "src/design/file/problem.h"
 #include "src/run/design_stages.h"
@@ -18,16 +19,11 @@ namespace {
 }
 
 void refuse_connection(const DesignConnection& c) {
-  if (c.kind == ConnectionKind::trivial || c.kind == ConnectionKind::metric)
-    refuse("/connection/kind", std::string(name(c.kind)), "prescribed cones and holonomies need the whole surface");
-}
-
-void refuse_guidance(const DesignGuidance& g) {
-  using Source = DesignGuidance::Source;
-  if (g.source == Source::nothing || g.source == Source::zero || g.source == Source::smoothest) return;
-  const std::string source(name(g.source));
-  if (g.source == Source::file) refuse("/guidance/file", g.file.string(), "a field from a file is read as a whole");
-  refuse("/guidance/field", source, "directions of curvature are means over rings of neighbours");
+  if (c.balance) refuse("/connection/balance", "true", "cones would be placed one after the other");
+  if (!c.holonomy.empty())
+    refuse("/connection/holonomy", std::to_string(c.holonomy.size()) + " values",
+           "generators of homology run over the whole surface");
+  if (!c.target.levi_civita()) refuse("/connection/target", "given", "its arrays are those of the whole surface");
 }
 
 /// The best of what the ranks offer.
@@ -105,24 +101,14 @@ void refuse_what_needs_one_machine(const DesignFile& design) {
     refuse("/method", std::string(name(design.method)),
            "an eigen design has its controls in both matrices of an eigenproblem");
   refuse_connection(design.connection);
-  refuse_guidance(design.guidance);
-  for (std::size_t k = 0; k < design.singularities.size(); ++k)
-    if (design.singularities[k].count > 1)
-      refuse(path_of("singularities", k) + "/count", std::to_string(design.singularities[k].count),
-             "several zeros lie in faces that are found by walking over the surface");
-  for (std::size_t k = 0; k < design.strokes.size(); ++k) {
-    const DesignStroke& s = design.strokes[k];
-    if (s.vertices.empty())
-      refuse(path_of("strokes", k) + (s.path.empty() ? "/points" : "/path"),
-             std::to_string(s.points.size() + s.path.size()) + " points",
-             "it would be traced from face to face; give vertices that edges join");
-    if (s.radius > 0)
-      refuse(path_of("strokes", k) + "/radius", std::to_string(s.radius), "a footprint spreads over the surface");
-  }
+  for (std::size_t k = 0; k < design.strokes.size(); ++k)
+    if (design.strokes[k].radius > 0)
+      refuse(path_of("strokes", k) + "/radius", number_text(design.strokes[k].radius),
+             "a footprint spreads over the surface");
   if (design.features.wanted) refuse("/features", "given", "lines of sharp edges are followed over the surface");
   if (!design.edits.empty())
     refuse("/edits", std::to_string(design.edits.size()) + " edits", "directions are carried over the surface");
-  if (follows_boundary_alone(design))
+  if (aligned_alone(design) == AlignedAlone::boundary)
     refuse("/boundary", "alone", "with nothing else but free lengths the field is solved for in steps; give guidance");
 }
 
@@ -135,21 +121,8 @@ DesignFile place(const DesignFile& design, const MeshSlice& mesh, const Stage& s
   };
   check_numbers(design);
   DesignFile placed = design;
-  for (DesignSingularity& s : placed.singularities) {
-    if (s.at) {
-      const SurfacePoint point = nearest_point(stage.patch, *s.at);
-      s.face = point.face;
-      if (s.pin) s.barycentric = point.barycentric;
-      s.at.reset();
-    } else if (s.pin && !s.barycentric) {
-      s.barycentric = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    }
-  }
-  for (DesignFixed& f : placed.fixed) {
-    if (!f.at) continue;
-    f.vertex = nearest_vertex(stage, *f.at);
-    f.at.reset();
-  }
+  place_points(placed, {.point = [&](const Vector3& at) { return nearest_point(stage.patch, at); },
+                        .vertex = [&](const Vector3& at) { return nearest_vertex(stage, at); }});
   check_numbers(placed);  // two points may be nearest to one vertex
   return placed;
 }

@@ -94,15 +94,16 @@ class System {
   }
 
   void collect_exact_rows() {
-    // In the order of the controls, each of which is one rank's.
+    // In the order of the controls, and of their rows, which may be those of several ranks.
     std::vector<std::int64_t> sizes(controls_.size(), 0);
     for (std::size_t k = 0; k < controls_.size(); ++k)
       if (!controls_[k].load.soft()) sizes[k] = count_of(controls_[k].load.rows);
     sum_all(sizes);
     for (std::size_t k = 0; k < controls_.size(); ++k) {
-      if (!controls_[k].load.soft())
-        for (const ControlRow& row : controls_[k].load.rows)
-          exact_.push_back({&row, count_ + (&row - controls_[k].load.rows.data())});
+      const LocalControl& c = controls_[k];
+      for (std::size_t i = 0; i < c.load.rows.size() && !c.load.soft(); ++i)
+        exact_.push_back(
+            {&c.load.rows[i], count_ + (c.row_order.empty() ? static_cast<Eigen::Index>(i) : c.row_order[i])});
       count_ += sizes[k];
     }
   }
@@ -281,7 +282,7 @@ class System {
           {e.number, e.row->target.real(), e.row->target.imag(), e.row->weight, e.row->direction_only ? 1 : 0});
     std::vector<Plain> all = gather_all(mine);
     std::ranges::sort(all, {}, &Plain::number);
-    std::vector<RealRow> real;
+    std::vector<RowFunctional> real;
     for (const Plain& p : all) {
       ControlRow row;
       row.target = {p.re, p.im};

@@ -89,7 +89,6 @@ class Together {
   EigenReport run(ComplexVectorX<double>& u) {
     EigenReport report;
     report.solver = "LOBPCG, covariant multigrid of " + std::to_string(multigrid_.levels()) + " levels over PETSc";
-    report.smallest_note = "not proven over several ranks";
     rotate(0);
     double best = HUGE_VAL;
     int since = 0;
@@ -106,6 +105,7 @@ class Together {
     }
     u = X().col(0);
     conclude(report);
+    if (width_ > 1) report.next = next_;
     return report;
   }
 
@@ -195,6 +195,7 @@ class Together {
       sum_all(products);
       const double lambda = products[0] / products[1];
       W().col(k) = y_ - lambda * z_;
+      if (k == 1) next_ = lambda;
       if (k > 0) continue;
       double sums[3] = {W().col(0).squaredNorm(), z_.squaredNorm(),
                         (W().col(0).cwiseAbs2().array() / diagonal_.array()).sum()};
@@ -242,11 +243,13 @@ class Together {
                        report.energy_residual <= std::max(energy_floor, options_.tolerance);
     report.message = report.converged
                          ? "the residual is limited by rounding, badly shaped triangles are the usual reason"
-                         : "the residual asked for was not reached";
+                         : "the residual asked for was not reached: allow a larger DistributedOptions::tolerance or "
+                           "more DistributedOptions::max_iterations";
   }
 
   Mat S_, M_;
   double area_;
+  double next_ = 0;  // the second Rayleigh quotient
   const DistributedOptions& options_;
   Multigrid multigrid_;
   Columns columns_;

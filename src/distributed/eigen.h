@@ -13,7 +13,8 @@ namespace alcap::detail::distributed {
                                                       Components& components, const DistributedOptions& options,
                                                       const std::vector<char>& wanted = {});
 
-/// One eigenproblem over all ranks, by block LOBPCG. `numbers`: the users' of this rank's rows; `u`: their values.
+/// One eigenproblem over all ranks, by block LOBPCG. `numbers`: the users' of this rank's rows; `u`: their values. Of
+/// the report, `next` is an upper bound of the second eigenvalue, and nothing is said of `smallest`.
 [[nodiscard]] EigenReport smallest_together(const petsc::OwnedMat& S, const petsc::OwnedMat& M, double area,
                                             const std::vector<Index>& numbers, const DistributedOptions& options,
                                             ComplexVectorX<double>& u);

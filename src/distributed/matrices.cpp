@@ -2,10 +2,12 @@
 #include "src/distributed/matrices.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "alcap/energies.h"
 #include "src/base/array.h"
+#include "src/connection/grounded_laplacian.h"
 
 namespace alcap::detail::distributed {
 namespace {
@@ -48,6 +50,40 @@ Matrices assemble(const Patch& patch, const Connection& connection, int n, doubl
   out.S = from_patch(patch, local.S);
   out.M = from_patch(patch, local.M);
   return out;
+}
+
+petsc::OwnedMat assemble_laplacian(const Patch& patch, const Components& components, const std::vector<char>& held) {
+  const Mesh& mesh = patch.mesh;
+  const auto component = [&](Index v) { return at(components.of_vertex[at(v)]); };
+  const std::size_t size = components.list.size();
+  std::vector<double> most(2 * size, -HUGE_VAL);  // whether any is held, and minus the first vertex, of each component
+  for (Index v = 0; v < patch.owned; ++v) {
+    if (components.of_vertex[at(v)] == none) continue;
+    double &any_held = most[component(v)], &first = most[size + component(v)];
+    any_held = std::max(any_held, held[at(v)] != 0 ? 1.0 : 0.0);
+    first = std::max(first, -static_cast<double>(patch.vertex[at(v)]));
+  }
+  largest_all(most);
+  std::vector<Eigen::Triplet<C, Index>> entries;
+  const auto fixed = [&](Index v) { return v >= patch.inner || held[at(v)] != 0; };
+  for (Index e = 0; e < mesh.edges(); ++e) {
+    const Index h = mesh.halfedge(e), i = mesh.tail(h), j = mesh.tip(h);
+    const double w = raised_weight(mesh, patch.geometry, e);
+    if (!fixed(i)) entries.emplace_back(i, i, w);
+    if (!fixed(j)) entries.emplace_back(j, j, w);
+    if (fixed(i) || fixed(j)) continue;
+    entries.emplace_back(i, j, -w);
+    entries.emplace_back(j, i, -w);
+  }
+  for (Index v = 0; v < patch.owned; ++v) {
+    const bool used = components.of_vertex[at(v)] != none;
+    const bool tied = used && most[component(v)] == 0 && most[size + component(v)] == -double(patch.vertex[at(v)]);
+    if (!used || held[at(v)] != 0 || tied) entries.emplace_back(v, v, 1);
+  }
+  const auto rows = count_of(patch.vertex);
+  SparseMatrix<C> L(rows, rows);
+  L.setFromTriplets(entries.begin(), entries.end());
+  return from_patch(patch, L);
 }
 
 petsc::OwnedMat principal_part(const petsc::OwnedMat& A, const std::vector<PetscInt>& rows) {

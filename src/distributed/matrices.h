@@ -19,6 +19,12 @@ struct Matrices {
 /// S of E_s and M of the patch's owned vertices, one row each (MPIAIJ).
 [[nodiscard]] Matrices assemble(const Patch& patch, const Connection& connection, int n, double s);
 
+/// The Laplacian of grounded_laplacian.h over the patch's owned vertices: the vertices with held[v] != 0 (per inner
+/// vertex), and those that no face uses, have rows of the identity; where a component has none held, its first is tied
+/// to the ground.
+[[nodiscard]] petsc::OwnedMat assemble_laplacian(const Patch& patch, const Components& components,
+                                                 const std::vector<char>& held);
+
 /// The rows that `wanted` names, and the columns of the same numbers.
 [[nodiscard]] petsc::OwnedMat principal_part(const petsc::OwnedMat& A, const std::vector<PetscInt>& rows);
 

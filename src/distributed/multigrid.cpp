@@ -10,8 +10,10 @@
 namespace alcap::detail::distributed {
 namespace {
 
-/// A level of so few rows is solved directly, on every rank.
+/// A level of so few rows is solved directly.
 constexpr PetscInt coarsest_rows = 100;
+/// Below so many rows per rank, fewer ranks share a level: a message takes as long as the work on some thousand rows.
+constexpr std::int64_t least_rows = 1000;
 /// Coarsening that keeps more than this part of the rows has come to its end.
 constexpr double stalled = 0.8;
 /// Of the smoothing of prolongations, as solvers/multigrid/prolongation.cpp: damping, and the least part of a diagonal
@@ -91,7 +93,19 @@ Aggregates aggregate_here(const LocalRows& rows, const Guide& g) {
   return aggregate(level);
 }
 
-petsc::OwnedMat tentative(const Aggregates& aggregates, PetscInt rows) {
+/// How many of a coarse level's rows this rank gets: those of its own aggregates, or an even share of all, on fewer
+/// ranks, where the level is too small for all of them. Aggregates are numbered by ranks, so most stay near.
+PetscInt share_of(std::int64_t all, std::int64_t own) {
+  const std::int64_t sharing = std::max(std::int64_t{1}, all / least_rows);
+  const std::int64_t P = ranks();
+  if (sharing >= P) return static_cast<PetscInt>(own);
+  const std::int64_t k = (rank() * sharing + P - 1) / P;  // the first share whose rank, k P / sharing, is not before us
+  if (k >= sharing || k * P / sharing != rank()) return 0;
+  return static_cast<PetscInt>(all * (k + 1) / sharing - all * k / sharing);
+}
+
+/// `columns` of the coarse level's rows will be on this rank.
+petsc::OwnedMat tentative(const Aggregates& aggregates, PetscInt rows, PetscInt columns) {
   petsc::OwnedMat P;
   const auto first = static_cast<PetscInt>(sum_before(std::int64_t{aggregates.count}));
   std::vector<PetscInt> start{0}, column;
@@ -103,8 +117,8 @@ petsc::OwnedMat tentative(const Aggregates& aggregates, PetscInt rows) {
     }
     start.push_back(static_cast<PetscInt>(column.size()));
   }
-  check(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, rows, aggregates.count, PETSC_DETERMINE, PETSC_DETERMINE,
-                                  start.data(), column.data(), value.data(), P.out()));
+  check(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, rows, columns, PETSC_DETERMINE, PETSC_DETERMINE, start.data(),
+                                  column.data(), value.data(), P.out()));
   return P;
 }
 
@@ -146,10 +160,14 @@ petsc::OwnedMat smoother_of_prolongation(Mat A, const LocalRows& rows, const Gui
   return B;
 }
 
-/// L U of the whole matrix on every rank, PETSc's own on one rank as well: for a parallel matrix there PCREDUNDANT
-/// takes MUMPS, which never returns from solves with systems that are singular up to rounding.
-void factorise_on_every_rank(KSP ksp, PC pc) {
-  if (ranks() > 1) {
+/// L U of the coarsest level. On the one rank that has it, as usual, or on every rank, if coarsening ended early.
+/// PETSc's own also where there is only one rank: PCREDUNDANT would take MUMPS there, which never returns from solves
+/// with systems that are singular up to rounding.
+void factorise(KSP ksp, PC pc, Mat A) {
+  PetscInt all = 0, own = 0;
+  check(MatGetSize(A, &all, nullptr));
+  check(MatGetLocalSize(A, &own, nullptr));
+  if (any(own > 0 && own < all)) {
     check(PCSetType(pc, PCREDUNDANT));
     return;
   }
@@ -181,7 +199,7 @@ Multigrid::Multigrid(petsc::OwnedMat A, Mat transport) {
     });
     const std::int64_t coarse_rows = sum(std::int64_t{aggregates.count});
     if (coarse_rows == 0 || static_cast<double>(coarse_rows) > stalled * all) return;
-    const petsc::OwnedMat P0 = tentative(aggregates, rows.rows);
+    const petsc::OwnedMat P0 = tentative(aggregates, rows.rows, share_of(coarse_rows, aggregates.count));
     const petsc::OwnedMat B = smoother_of_prolongation(fine.A.get(), rows, guide);
     check(MatMatMult(B.get(), P0.get(), MAT_INITIAL_MATRIX, PETSC_DEFAULT, fine.P.out()));
     check(MatDuplicate(fine.P.get(), MAT_COPY_VALUES, fine.P_conj.out()));
@@ -210,7 +228,7 @@ void Multigrid::configure(PC pc) const {
     check(KSPGetPC(ksp, &inner));
     if (l == 0) {
       check(KSPSetType(ksp, KSPPREONLY));
-      factorise_on_every_rank(ksp, inner);
+      factorise(ksp, inner, level.A.get());
       continue;
     }
     check(KSPSetType(ksp, KSPCHEBYSHEV));

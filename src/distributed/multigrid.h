@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// multigrid.h: the library's gauge-covariant aggregation, rank by rank, as prolongations of PETSc's PCMG. Internal to
-// src/distributed.
+// multigrid.h: the library's gauge-covariant aggregation, rank by rank, as prolongations of PETSc's PCMG. Levels that
+// are small for all ranks are shared by fewer. Internal to src/distributed.
 #pragma once
 
 #include <petscksp.h>
@@ -19,7 +19,8 @@ class Multigrid {
   /// Makes `pc` a W-cycle with a Chebyshev smoother of degree 2. This must outlive it.
   void configure(PC pc) const;
 
-  [[nodiscard]] Mat matrix() const { return levels_[0].A.get(); }
+  /// Of a level, 0 the finest.
+  [[nodiscard]] Mat matrix(std::size_t level = 0) const { return levels_[level].A.get(); }
   [[nodiscard]] std::size_t levels() const { return levels_.size(); }
 
  private:

@@ -36,24 +36,46 @@ std::string shared(const std::string& text) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// The file that a path names, held open while MPI opens the same path: a path alone may name another file by then.
 /// What cannot be read is said in the system's words, which MPI hides.
-void check_readable(const std::string& path) {
-  struct stat about = {};
-  if (::stat(path.c_str(), &about) != 0 && errno == ENOENT)
-    throw FileError(path + ": there is no such file; check the name and the folder", path);
-  if (::stat(path.c_str(), &about) != 0) throw FileError(path + ": cannot open (" + system_words(errno) + ")", path);
-  if (S_ISDIR(about.st_mode)) throw FileError(path + ": this is a folder; give the mesh file inside it", path);
-  if (!S_ISREG(about.st_mode)) throw FileError(path + ": this is no file that several ranks can read", path);
-  if (::access(path.c_str(), R_OK) != 0) throw FileError(path + ": cannot open (" + system_words(errno) + ")", path);
-}
+class HeldFile {
+ public:
+  explicit HeldFile(const std::string& path)
+      : descriptor_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)), error_(descriptor_ < 0 ? errno : 0) {}
+  HeldFile(const HeldFile&) = delete;
+  HeldFile& operator=(const HeldFile&) = delete;
+  ~HeldFile() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  void check_readable(const std::string& path) {
+    if (descriptor_ >= 0 && ::fstat(descriptor_, &about_) != 0) error_ = errno;
+    if (error_ == ENOENT) throw FileError(path + ": there is no such file; check the name and the folder", path);
+    if (error_ != 0) throw FileError(path + ": cannot open (" + system_words(error_) + ")", path);
+    if (S_ISDIR(about_.st_mode)) throw FileError(path + ": this is a folder; give the mesh file inside it", path);
+    if (!S_ISREG(about_.st_mode))
+      throw FileError(path + ": several ranks cannot read this kind of file; give a regular file", path);
+  }
+  /// Throws where the path names another file than the one that is held.
+  void check_same(const std::string& path) const {
+    struct stat now = {};
+    if (::stat(path.c_str(), &now) != 0 || now.st_dev != about_.st_dev || now.st_ino != about_.st_ino)
+      throw FileError(path + ": the file was replaced while it was opened; run again", path);
+  }
+
+ private:
+  struct stat about_ = {};
+  int descriptor_, error_;
+};
 
 }  // namespace
 
 ParallelInput::ParallelInput(std::string path) : path_(std::move(path)) {
-  agreed([&] { check_readable(path_); });
+  HeldFile held(path_);
+  agreed([&] { held.check_readable(path_); });
   const int code = MPI_File_open(MPI_COMM_WORLD, path_.c_str(), MPI_MODE_RDONLY, MPI_INFO_NULL, &file_);
   agreed([&] {
     if (code != MPI_SUCCESS) throw FileError(path_ + ": cannot open (" + words(code) + ")", path_);
+    held.check_same(path_);
     MPI_Offset bytes = 0;
     MPI_File_get_size(file_, &bytes);
     size_ = bytes;

@@ -6,16 +6,29 @@
 #include <numeric>
 
 #include "src/base/array.h"
+#include "src/base/limits.h"
 #include "src/distributed/defects.h"
 #include "src/distributed/rings.h"
 
 namespace alcap::detail::distributed {
 namespace {
 
+void check_size(const MeshSlice& mesh) {
+  const std::int64_t largest = std::max(mesh.vertices, mesh.faces);
+  if (largest > most_numbered)
+    throw MeshError("the mesh has " + std::to_string(largest) + " vertices or faces, more than the " +
+                        std::to_string(most_numbered) + " that can be numbered",
+                    Defect::index_out_of_range, mesh.vertices > mesh.faces ? Element::vertex : Element::face, largest,
+                    {});
+  if (mesh.F.rows() > most_faces)
+    throw SolveError("a rank would read more than " + std::to_string(most_faces) + " faces; use more ranks");
+}
+
 /// Defects that single faces and points have, before anything is addressed by them.
 void check_slice(const MeshSlice& mesh) {
   if (mesh.faces == 0)
     throw MeshError("the mesh has no faces; check that the file is complete", Defect::empty, Element::face, 0, {});
+  check_size(mesh);
   NamedDefect out{Defect::index_out_of_range, Element::face, 0, {}};
   NamedDefect repeated{Defect::repeated_vertex_in_face, Element::face, 0, {}};
   const auto add = [](NamedDefect& d, std::int64_t element) {
@@ -65,11 +78,11 @@ LocalFaces faces_of(const std::vector<Index>& vertices, const Rings& rings, Loca
   for (std::size_t k = 0; k < vertices.size(); ++k)
     for (Index i = rings.start[k]; i < rings.start[k + 1]; ++i) {
       const Corner& corner = rings.corners[at(i)];
-      Entry e{corner[0] / 3, {}};
-      const auto c = at(corner[0] % 3);
+      Entry e{corner[0], {}};
+      const auto c = at(corner[1]);
       e.f[c] = vertices[k];
-      e.f[(c + 1) % 3] = corner[1];
-      e.f[(c + 2) % 3] = corner[2];
+      e.f[(c + 1) % 3] = corner[2];
+      e.f[(c + 2) % 3] = corner[3];
       entries.push_back(e);
     }
   std::ranges::sort(entries, {}, &Entry::face);
@@ -106,49 +119,10 @@ void number_faces(Patch& patch, Faces& F) {
   }
 }
 
-/// Gives every fan of faces at a vertex of the rim a vertex of its own: not all faces around it are here, and those
-/// that are may not hang together.
+/// Vertices of the rim: not all faces around one are here, and those that are may not hang together.
 void split_rim(Patch& patch, Faces& F) {
-  const Index inner = patch.inner;
-  struct Spoke {  // of a corner: the edges to its neighbours
-    Index vertex, neighbour, corner;
-  };
-  std::vector<Spoke> spokes;
-  for (Index t = 0; t < F.rows(); ++t)
-    for (Index c = 0; c < 3; ++c) {
-      if (F(t, c) < inner) continue;
-      spokes.push_back({F(t, c), F(t, (c + 1) % 3), 3 * t + c});
-      spokes.push_back({F(t, c), F(t, (c + 2) % 3), 3 * t + c});
-    }
-  std::ranges::sort(spokes, [](const Spoke& a, const Spoke& b) {
-    return std::array{a.vertex, a.neighbour, a.corner} < std::array{b.vertex, b.neighbour, b.corner};
-  });
-  std::vector<Index> parent(at(F.size()));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index c) {
-    while (parent[at(c)] != c) c = parent[at(c)] = parent[at(parent[at(c)])];
-    return c;
-  };
-  for (std::size_t k = 1; k < spokes.size(); ++k) {
-    const Spoke &a = spokes[k - 1], &b = spokes[k];
-    if (a.vertex != b.vertex || a.neighbour != b.neighbour) continue;
-    const Index i = root(a.corner), j = root(b.corner);
-    parent[at(std::max(i, j))] = std::min(i, j);
-  }
-  std::vector<Index> name(at(F.size()), none);  // of the fan with this root
-  std::vector<char> taken(patch.vertex.size(), 0);
-  for (Index k = 0; k < F.size(); ++k) {
-    const Index v = F.data()[k];
-    if (v < inner) continue;
-    Index& fan = name[at(root(k))];
-    if (fan == none) {
-      fan = taken[at(v)] == 0 ? v : static_cast<Index>(patch.vertex.size());
-      if (fan != v) patch.vertex.push_back(patch.vertex[at(v)]);
-      taken[at(v)] = 1;
-    }
-  }
-  for (Index k = 0; k < F.size(); ++k)
-    if (F.data()[k] >= inner) F.data()[k] = name[at(root(k))];
+  for (const Index v : split_fans(F, patch.inner, static_cast<Index>(patch.vertex.size())))
+    patch.vertex.push_back(patch.vertex[at(v)]);
 }
 
 /// Rows of matrices, and who owns the ring.
@@ -215,6 +189,60 @@ std::int64_t edges_to_others(const Patch& patch) {
 }
 
 }  // namespace
+
+std::vector<Index> split_fans(Faces& F, Index from, Index count) {
+  struct Spoke {  // of a corner: the edges to its neighbours
+    Index vertex, neighbour, corner;
+  };
+  std::vector<Spoke> spokes;
+  for (Index t = 0; t < F.rows(); ++t)
+    for (Index c = 0; c < 3; ++c) {
+      if (F(t, c) < from) continue;
+      spokes.push_back({F(t, c), F(t, (c + 1) % 3), 3 * t + c});
+      spokes.push_back({F(t, c), F(t, (c + 2) % 3), 3 * t + c});
+    }
+  std::ranges::sort(spokes, [](const Spoke& a, const Spoke& b) {
+    return std::array{a.vertex, a.neighbour, a.corner} < std::array{b.vertex, b.neighbour, b.corner};
+  });
+  std::vector<Index> parent(at(F.size()));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index c) {
+    while (parent[at(c)] != c) c = parent[at(c)] = parent[at(parent[at(c)])];
+    return c;
+  };
+  for (std::size_t k = 1; k < spokes.size(); ++k) {
+    const Spoke &a = spokes[k - 1], &b = spokes[k];
+    if (a.vertex != b.vertex || a.neighbour != b.neighbour) continue;
+    const Index i = root(a.corner), j = root(b.corner);
+    parent[at(std::max(i, j))] = std::min(i, j);
+  }
+  std::vector<Index> name(at(F.size()), none);  // of the fan with this root
+  std::vector<char> taken(at(count), 0);
+  std::vector<Index> original;
+  for (Index k = 0; k < F.size(); ++k) {
+    const Index v = F.data()[k];
+    if (v < from) continue;
+    Index& fan = name[at(root(k))];
+    if (fan == none) {
+      fan = taken[at(v)] == 0 ? v : static_cast<Index>(count + count_of(original));
+      if (fan != v) original.push_back(v);
+      taken[at(v)] = 1;
+    }
+  }
+  for (Index k = 0; k < F.size(); ++k)
+    if (F.data()[k] >= from) F.data()[k] = name[at(root(k))];
+  return original;
+}
+
+VectorX<double> at_local_vertices(const Patch& patch, const VectorX<double>& owned) {
+  const Slices slices(sum(std::int64_t{patch.owned}));
+  const auto size = slices.size(rank());
+  std::vector<double> of_slice(at(size), 0);
+  patch.home.reduce(owned.data(), of_slice.data(), MPI_REPLACE);
+  VectorX<double> local(count_of(patch.vertex));
+  Exchange(size, slices.find(patch.vertex)).fetch(of_slice.data(), local.data());
+  return local;
+}
 
 Partitioned make_patch(const MeshSlice& mesh, PartitionMethod method) {
   agreed([&] { check_slice(mesh); });

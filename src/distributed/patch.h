@@ -42,6 +42,13 @@ struct Patch {
   }
 };
 
+/// Gives every fan of faces at a vertex from `from` on a vertex of its own, where several meet; the vertex that each
+/// new one, numbered from `count` on, is a copy of.
+[[nodiscard]] std::vector<Index> split_fans(Faces& F, Index from, Index count);
+
+/// Values at owned vertices at all local ones, those of the rim too.
+[[nodiscard]] VectorX<double> at_local_vertices(const Patch& patch, const VectorX<double>& owned);
+
 struct Partitioned {
   Patch patch;
   std::string method;

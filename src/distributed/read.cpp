@@ -143,9 +143,9 @@ Layout lay_out(const std::string& path, std::string_view bytes, std::int64_t siz
   if (!vertices) refuse(path, "the file has no element 'vertex'");
   if (!faces) refuse(path, "the file has no element 'face'");
   for (const Table* table : {&layout.vertices, &layout.faces})
-    if (table->count > most_faces)
+    if (table->count > most_numbered)
       refuse(path, "the file has " + std::to_string(table->count) + " vertices or faces, more than the " +
-                       std::to_string(most_faces) + " that can be numbered");
+                       std::to_string(most_numbered) + " that can be numbered");
   // A face with more than three corners makes the file longer, one that is cut shorter.
   if (begin > size)
     refuse(path, "the file ends before its last face: it was cut, or has faces of fewer than three corners");

@@ -83,7 +83,7 @@ void parse_vertex(const std::string& path, std::int64_t number, std::string_view
   std::array<double, 3> x{};
   for (double& value : x)
     if (!take(line, value) || !std::isfinite(value))
-      refuse_off(path, "vertex " + std::to_string(number) + " (counted from 0) has not three finite coordinates");
+      refuse_off(path, "vertex " + std::to_string(number) + " (counted from 0) does not have three finite coordinates");
   out.vertices.push_back(static_cast<Index>(number));
   out.points.push_back(x);
 }
@@ -93,11 +93,12 @@ void parse_face(const std::string& path, std::int64_t number, std::int64_t verti
   const std::string name = "face " + std::to_string(number) + " (counted from 0)";
   std::int64_t count = 0;
   if (!take(line, count) || count != 3)
-    refuse_off(path, name + " has not three corners; all faces must be triangles here, one a line; read it with alcap");
+    refuse_off(path,
+               name + " does not have three corners; faces must be triangles here, one per line; alcap reads polygons");
   std::array<Index, 3> f{};
   for (Index& corner : f) {
     std::int64_t v = -1;
-    if (!take(line, v)) refuse_off(path, name + " has a corner that is no number");
+    if (!take(line, v)) refuse_off(path, name + " has a corner that is not a number");
     if (v < 0 || v >= vertices)
       refuse_off(path, name + " names vertex " + std::to_string(v) + ", but there are " + std::to_string(vertices) +
                            " vertices; the file was cut or its indices are off");
@@ -120,9 +121,9 @@ OffHeader read_off_header(const std::string& path, std::string_view bytes) {
   if (!lines.next(line) || !take(line, header.vertices) || !take(line, header.faces) || header.vertices < 0 ||
       header.faces < 0)
     refuse_off(path, "the second line must have the numbers of vertices, faces and edges");
-  if (header.vertices > most_faces || header.faces > most_faces)
-    refuse_off(path,
-               "the file has more vertices or faces than the " + std::to_string(most_faces) + " that can be numbered");
+  if (header.vertices > most_numbered || header.faces > most_numbered)
+    refuse_off(path, "the file has more vertices or faces than the " + std::to_string(most_numbered) +
+                         " that can be numbered");
   header.body = count_of(bytes) - count_of(lines.rest());
   return header;
 }

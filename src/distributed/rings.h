@@ -11,8 +11,9 @@
 
 namespace alcap::detail::distributed {
 
-/// One corner: its halfedge in the users' numbering, the vertex after it in the face, and the one before.
-using Corner = std::array<Index, 3>;
+/// One corner: its face in the users' numbering and its place there, the vertex after it in the face, and the one
+/// before. Halfedges have no numbers across ranks: of a billion faces they would not fit an Index.
+using Corner = std::array<Index, 4>;
 
 /// Corners by vertex: those of vertex k are [start[k], start[k + 1]).
 struct Rings {
@@ -25,6 +26,9 @@ struct Rings {
 
 /// The corners around any vertices, from the ranks in whose slices they lie.
 [[nodiscard]] Rings fetch_rings(const Rings& of_slice, const Slices& slices, const std::vector<Index>& vertices);
+
+/// Whether PT-Scotch can divide a graph with so many ends of edges.
+[[nodiscard]] bool scotch_can_number(std::int64_t ends_of_edges);
 
 /// Who shall own each vertex of this rank's slice; `method` becomes what was done.
 [[nodiscard]] petsc::Owned<IS, ISDestroy> partition(const MeshSlice& mesh, const Rings& of_slice,

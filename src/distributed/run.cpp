@@ -9,6 +9,7 @@
 #include "src/distributed/parallel_file.h"
 #include "src/distributed/stages.h"
 #include "src/io/field/ply_rows.h"
+#include "src/run/remarks.h"
 
 namespace alcap {
 namespace detail::distributed {
@@ -23,21 +24,24 @@ void check_options(const MeshSlice& mesh, const DistributedOptions& o) {
   check_slice_size(mesh);
 }
 
-void compute(const MeshSlice& mesh, const DistributedOptions& options, DistributedField& out) {
-  Meter meter;
-  Stage stage = divide(mesh, options.partition, meter, out);
-  connect(stage, options, meter, out);
-
-  Matrices matrices = assemble(stage.patch, stage.connection, options.n, options.s);
-  meter.done("assembly", out.phases);
-
-  const ComplexVectorX<double> u = solve_components(stage.patch, matrices, stage.components, options);
-  matrices = {};
-  meter.done("solve", out.phases);
-
-  const Field field = extended(stage.patch, options.n, u);
-  conclude(stage, frames_of(stage), field, mesh.V.rows(), out);
-  meter.done("analysis", out.phases);
+void add_remarks(const Connection& connection, const DistributedOptions& options, bool finite, DistributedField& out) {
+  std::vector<EigenReport> eigen;
+  std::vector<IndexSum> sums;
+  for (const DistributedComponent& c : out.components) {
+    eigen.push_back(c.eigen);
+    sums.push_back(c.indices);
+  }
+  const auto reached = [&](const EigenReport& e) {
+    return e.residual <= options.tolerance && e.energy_residual <= options.tolerance;
+  };
+  outcome_remarks({.connection = connection.report,
+                   .parallel = !connection.flat || connection.admits_parallel(options.n),
+                   .n = options.n,
+                   .eigen = eigen,
+                   .reached = reached,
+                   .index_sums = sums,
+                   .finite = finite},
+                  out.remarks);
 }
 
 /// This rank's rows of both tables.
@@ -57,6 +61,29 @@ std::vector<char> face_rows(const MeshSlice& mesh) {
 }
 
 }  // namespace
+
+DistributedField field_of_slices(const MeshSlice& mesh, const DistributedOptions& options) {
+  DistributedField out;
+  out.n = options.n;
+  out.phases = mesh.phases;
+  Meter meter;
+  Stage stage = divide(mesh, options.partition, meter, out);
+  connect(stage, options, meter, out);
+
+  Matrices matrices = assemble(stage.patch, stage.connection, options.n, options.s);
+  meter.done("assembly", out.phases);
+
+  const ComplexVectorX<double> u = solve_components(stage.patch, matrices, stage.components, options);
+  matrices = {};
+  meter.done("solve", out.phases);
+
+  const Field field = extended(stage.patch, options.n, u);
+  conclude(stage, frames_of(stage), field, mesh.V.rows(), out);
+  add_remarks(stage.connection, options, !any(!u.allFinite()), out);
+  meter.done("analysis", out.phases);
+  return out;
+}
+
 }  // namespace detail::distributed
 
 int distributed_rank() {
@@ -89,11 +116,7 @@ DistributedField distributed_field(const MeshSlice& mesh, const DistributedOptio
   using namespace detail::distributed;
   const detail::petsc::Session session;
   agreed([&] { check_options(mesh, options); });
-  DistributedField out;
-  out.n = options.n;
-  out.phases = mesh.phases;
-  compute(mesh, options, out);
-  return out;
+  return field_of_slices(mesh, options);
 }
 
 void write_distributed_ply(const std::string& path, const MeshSlice& mesh, DistributedField& field) {
@@ -105,6 +128,8 @@ void write_distributed_ply(const std::string& path, const MeshSlice& mesh, Distr
   connection.kind = field.kind;
   connection.center = field.center;
   connection.options = field.global;
+  connection.cones = field.cones;
+  connection.loop_index = field.loop_index;
   const std::string header = ply_field_header(field.n, connection, mesh.vertices, mesh.faces);
   const auto body = count_of(header);
   ParallelOutput file(path);

@@ -7,6 +7,8 @@
 #include <cstring>
 #include <map>
 
+#include "solvers/eigenpair/problem.h"
+#include "solvers/linear/backends.h"
 #include "src/base/array.h"
 #include "src/distributed/eigen.h"
 
@@ -17,11 +19,11 @@ namespace {
 struct PlainReport {
   int component, iterations, converged, smallest, has_next, has_bound;
   double lambda, residual, energy, next, bound, seconds, proof_seconds;
-  std::array<char, 160> solver, note, message;
+  std::array<char, 240> solver, note, message;
 };
 
-std::array<char, 160> plain_text(const std::string& text) {
-  std::array<char, 160> out{};
+std::array<char, 240> plain_text(const std::string& text) {
+  std::array<char, 240> out{};
   text.copy(out.data(), out.size() - 1);
   return out;
 }
@@ -120,6 +122,13 @@ SparseMatrix<C> block_of(const LocalRows& rows, Index begin, Index end) {
   return A;
 }
 
+EigenOptions eigen_options(const DistributedOptions& options) {
+  return {.tolerance = options.tolerance,
+          .max_iterations = options.max_iterations,
+          .seed = options.seed,
+          .prove_smallest = options.prove_smallest};
+}
+
 /// Solves what this rank has taken; the values of its rows, and reports.
 std::vector<PlainReport> solve_taken(const std::vector<TakenRow>& taken, Mat S, Mat M, const Components& components,
                                      const DistributedOptions& options, std::vector<C>& values) {
@@ -130,9 +139,8 @@ std::vector<PlainReport> solve_taken(const std::vector<TakenRow>& taken, Mat S, 
     while (end < taken.size() && taken[end].component == taken[begin].component) ++end;
     const auto first = static_cast<Index>(begin), last = static_cast<Index>(end);
     const Index c = taken[begin].component;
-    const EigenResult found = smallest_eigenpair(
-        block_of(s, first, last), block_of(m, first, last), components.list[at(c)].area,
-        {.tolerance = options.tolerance, .max_iterations = options.max_iterations, .seed = options.seed});
+    const EigenResult found = smallest_eigenpair(block_of(s, first, last), block_of(m, first, last),
+                                                 components.list[at(c)].area, eigen_options(options));
     for (std::size_t k = begin; k < end; ++k) values[k] = found.u[static_cast<Eigen::Index>(k - begin)];
     reports.push_back(plain(c, found.report));
   }
@@ -150,6 +158,40 @@ void solve_small(const Patch& patch, const Matrices& matrices, Components& compo
   agreed([&] { reports = solve_taken(taken, S.get(), M.get(), components, options, values); });
   for (const PlainReport& p : gather_all(reports)) components.list[at(p.component)].eigen = report_of(p);
   Exchange(patch.owned, nodes_of_rows(matrices.S.get(), rows)).reduce(values.data(), u.data(), MPI_REPLACE);
+}
+
+/// The proof of one machine for component k, by a rank that gets its matrices and its vector; where it finds a smaller
+/// eigenvalue it replaces the vector.
+void prove_on_one_rank(const Patch& patch, const Matrices& matrices, Components& components, std::size_t k,
+                       const DistributedOptions& options, ComplexVectorX<double>& u) {
+  EigenReport& report = components.list[k].eigen;
+  std::vector<char> chosen(components.list.size(), 0);
+  chosen[k] = 1;
+  const std::vector<TakenRow> taken = take_rows(patch, components, matrices.S, chosen);
+  const std::vector<PetscInt> rows = row_numbers(taken);
+  const petsc::OwnedMat S = principal_part(matrices.S, rows), M = principal_part(matrices.M, rows);
+  const Exchange to_owners(patch.owned, nodes_of_rows(matrices.S.get(), rows));
+  std::vector<C> values(taken.size());
+  to_owners.fetch(u.data(), values.data());
+  std::vector<PlainReport> reports;
+  agreed([&] {
+    if (taken.empty()) return;
+    const LocalRows s(S.get()), m(M.get());
+    const auto size = static_cast<Index>(taken.size());
+    const SparseMatrix<C> here_S = block_of(s, 0, size), here_M = block_of(m, 0, size);
+    const EigenProblem problem{.S = here_S,
+                               .M = here_M,
+                               .area = components.list[k].area,
+                               .transport = same_pattern(here_S, here_M) ? &here_M : nullptr};
+    EigenResult result{Eigen::Map<const ComplexVectorX<double>>(values.data(), size), report};
+    prove_smallest(problem, eigen_options(options), true, result, {});
+    for (Index i = 0; i < size; ++i) values[at(i)] = result.u[i];
+    reports.push_back(plain(static_cast<int>(k), result.report));
+  });
+  const double seconds = report.seconds;
+  report = report_of(gather_all(reports).at(0));
+  report.seconds = seconds;
+  to_owners.reduce(values.data(), u.data(), MPI_REPLACE);
 }
 
 /// The phase of EigenResult::u: the first entry, in the users' order, of the largest is real and positive.
@@ -191,6 +233,17 @@ void solve_large(const Patch& patch, const Matrices& matrices, Components& compo
     component.eigen = smallest_together(S, M, component.area, numbers, options, part);
   } else {
     component.eigen = smallest_together(matrices.S, matrices.M, component.area, numbers, options, part);
+  }
+  for (std::size_t i = 0; i < locals.size(); ++i) u[locals[i]] = part[static_cast<Eigen::Index>(i)];
+  if (component.eigen.converged && asks_for_proof(eigen_options(options), component.vertices)) {
+    prove_on_one_rank(patch, matrices, components, k, options, u);
+    for (std::size_t i = 0; i < locals.size(); ++i) part[static_cast<Eigen::Index>(i)] = u[locals[i]];
+  } else {
+    component.eigen.next.reset();
+    component.eigen.smallest_note = !component.eigen.converged ? "the eigenpair did not converge"
+                                    : options.prove_smallest == Prove::never
+                                        ? "no proof was asked for"
+                                        : "more than 200,000 vertices: DistributedOptions::prove_smallest asks for it";
   }
   fix_phase_of(numbers, part);
   for (std::size_t i = 0; i < locals.size(); ++i) u[locals[i]] = part[static_cast<Eigen::Index>(i)];

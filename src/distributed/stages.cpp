@@ -78,6 +78,8 @@ void connect(Stage& stage, const DistributedOptions& options, Meter& meter, Dist
   out.center = stage.connection.center;
   out.global = stage.connection.options;
   out.connection = stage.connection.report;
+  out.cones = stage.connection.cones;
+  out.loop_index = stage.connection.loop_index;
   meter.done("connection", out.phases);
 }
 

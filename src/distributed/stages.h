@@ -32,4 +32,7 @@ void connect(Stage& stage, const DistributedOptions& options, Meter& meter, Dist
 /// Singularities, index sums, and the field and its frames at the `rows` vertices of this rank's slice.
 void conclude(Stage& stage, const Frames& frames, const Field& field, Eigen::Index rows, DistributedField& out);
 
+/// distributed_field() of slices of any sizes, with options that are known to be good.
+[[nodiscard]] DistributedField field_of_slices(const MeshSlice& mesh, const DistributedOptions& options);
+
 }  // namespace alcap::detail::distributed

@@ -90,12 +90,14 @@ std::vector<DataArray> point_arrays(const PolygonPiece& piece, const Branches& b
 std::vector<DataArray> face_arrays(const PolygonPiece& piece, std::int64_t first_face) {
   const auto faces = static_cast<std::int64_t>(piece.F.rows());
   return {array<std::int32_t, 1>("index", faces, [&](std::int64_t t, std::int32_t* x) { x[0] = piece.index[at(t)]; }),
+          array<std::uint8_t, 3>("index_rgb", faces,
+                                 [&](std::int64_t t, std::uint8_t* x) { put_index_colour(piece.index[at(t)], x); }),
           array<std::int32_t, 1>("face", faces, [first_face](std::int64_t t, std::int32_t* x) {
             x[0] = static_cast<std::int32_t>(first_face + t);
           })};
 }
 
-constexpr const char* point_attributes = " Scalars=\"magnitude\" Vectors=\"d_0\" Normals=\"normal\"";
+constexpr const char* point_attributes = " Vectors=\"d_0\" Normals=\"normal\"";
 
 void write_piece(AtomicFile& file, const PolygonPiece& piece, std::int64_t first_face) {
   const Branches branches(piece.field.n);
@@ -115,7 +117,7 @@ void write_piece(AtomicFile& file, const PolygonPiece& piece, std::int64_t first
                      "\" NumberOfVerts=\"0\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"" +
                      std::to_string(faces) + "\"",
                  {{"PointData", point_attributes, point_arrays(piece, branches)},
-                  {"CellData", "", face_arrays(piece, first_face)},
+                  {"CellData", index_colours_shown, face_arrays(piece, first_face)},
                   points,
                   polys});
 }
@@ -135,7 +137,8 @@ std::string index_of_pieces(const PolygonPiece& like, const std::vector<std::str
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PPolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n  <PPolyData GhostLevel=\"0\">\n";
   text += "    <PPointData" + std::string(point_attributes) + ">\n" + declared(point_arrays(like, branches)) +
-          "    </PPointData>\n    <PCellData>\n" + declared(face_arrays(like, 0)) + "    </PCellData>\n";
+          "    </PPointData>\n    <PCellData" + std::string(index_colours_shown) + ">\n" +
+          declared(face_arrays(like, 0)) + "    </PCellData>\n";
   text += "    <PPoints>\n      <PDataArray type=\"Float64\" NumberOfComponents=\"3\"/>\n    </PPoints>\n";
   for (const std::string& name : pieces) text += "    <Piece Source=\"" + escaped(name) + "\"/>\n";
   return text + "  </PPolyData>\n</VTKFile>\n";

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "src/base/limits.h"
+#include "src/base/pages.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -19,7 +20,7 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
                       "at most 2^31 - 1 fit 32-bit sparse indices");
 
   // A vertex's column holds itself and its neighbours: one per leaving halfedge, one more at a boundary.
-  outer_.resize(std::int64_t{vertices} + 1);
+  detail::resize_unset(outer_, std::int64_t{vertices} + 1);
   outer_[vertices] = 0;
   parallel_for(vertices, [&](std::int64_t v) {
     Index entries = 1 + (mesh.boundary_vertex(static_cast<Index>(v)) ? 1 : 0);
@@ -28,10 +29,10 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
   });
   parallel_exclusive_scan(outer_.data(), std::int64_t{vertices} + 1);
 
-  inner_.resize(nonzeros);
-  diagonal_.resize(vertices);
-  upper_.resize(mesh.edges());
-  lower_.resize(mesh.edges());
+  detail::resize_unset(inner_, nonzeros);
+  detail::resize_unset(diagonal_, vertices);
+  detail::resize_unset(upper_, mesh.edges());
+  detail::resize_unset(lower_, mesh.edges());
   struct Entry {
     Index row;
     Index halfedge;  // between the row's vertex and the column's; `none` on the diagonal

@@ -11,6 +11,7 @@
 
 #include "alcap/mesh_check.h"
 #include "src/base/array.h"
+#include "src/base/pages.h"
 #include "src/base/parallel.h"
 #include "src/simd/angles.h"
 
@@ -22,10 +23,10 @@ Geometry::Geometry(const Mesh& mesh, const Eigen::Ref<const Positions<double>>& 
                       "needs one row per vertex of the mesh, " + std::to_string(mesh.vertices()));
   using Row = Eigen::Matrix<double, 1, 3>;
   const std::int64_t faces = mesh.faces();
-  angle_.resize(3 * faces);
-  cot_.resize(3 * faces);
-  area_.resize(faces);
-  length_.resize(mesh.edges());
+  detail::resize_unset(angle_, 3 * faces);
+  detail::resize_unset(cot_, 3 * faces);
+  detail::resize_unset(area_, faces);
+  detail::resize_unset(length_, mesh.edges());
   const bool good = parallel_reduce(
       faces, true,
       [&](std::int64_t begin, std::int64_t end) {
@@ -93,9 +94,9 @@ Geometry Geometry::from_lengths(const Mesh& mesh, const VectorX<double>& lengths
   check_lengths(mesh, lengths);
   Geometry g;
   g.length_ = lengths;
-  g.angle_.resize(mesh.halfedges());
-  g.cot_.resize(mesh.halfedges());
-  g.area_.resize(mesh.faces());
+  detail::resize_unset(g.angle_, mesh.halfedges());
+  detail::resize_unset(g.cot_, mesh.halfedges());
+  detail::resize_unset(g.area_, mesh.faces());
   parallel_for(mesh.faces(), [&](std::int64_t t) {
     double l[3];
     for (Index c = 0; c < 3; ++c) l[c] = lengths[mesh.edge(static_cast<Index>(3 * t + c))];
@@ -133,14 +134,14 @@ Geometry Geometry::from_measures(const Mesh& mesh, VectorX<double> lengths, Vect
   g.length_ = std::move(lengths);
   g.cot_ = std::move(cots);
   g.area_ = std::move(areas);
-  g.angle_.resize(mesh.halfedges());
+  detail::resize_unset(g.angle_, mesh.halfedges());
   parallel_for(mesh.halfedges(), [&](std::int64_t c) { g.angle_[c] = std::atan2(1.0, g.cot_[c]); });
   g.sum_angles(mesh);
   return g;
 }
 
 void Geometry::sum_angles(const Mesh& mesh) {
-  angle_sum_.resize(mesh.vertices());
+  detail::resize_unset(angle_sum_, mesh.vertices());
   parallel_for(mesh.vertices(), [&](std::int64_t v) {
     double sum = 0;
     mesh.for_each_outgoing(static_cast<Index>(v), [&](Index h) { sum += angle_[h]; });

@@ -18,6 +18,8 @@ using Points = IntrinsicMesh::Points;
 constexpr double own_sector = pi<double> / 3;
 // Faces that a walk may cross, and that a new vertex's influence is looked for in: both are a few.
 constexpr int longest_walk = 10000, widest_influence = 500;
+// Faces that all walks together may cross, per vertex of the budget: where they go astray, the vertices do not help.
+constexpr std::int64_t steps_per_vertex = 100;
 // A vertex nearer to an edge than this part of the face is put on it.
 constexpr double on_edge = 1e-6;
 // New vertices lie no further from the shortest edge of a skinny triangle than where they see it under the smallest
@@ -159,7 +161,7 @@ Points Refinement::across(const Points& p, std::size_t k, Index g) const {
   return {b, a, Point{b[0] + apex[0] * x - apex[1] * y, b[1] + apex[0] * y + apex[1] * x}};
 }
 
-Refinement::Place Refinement::walk_to_cure(Index t) const {
+Refinement::Place Refinement::walk_to_cure(Index t) {
   Index shortest = 3 * t;
   for (Index h = 3 * t + 1; h < 3 * t + 3; ++h)
     if (mesh_.length(mesh_.edge(h)) < mesh_.length(mesh_.edge(shortest))) shortest = h;
@@ -190,6 +192,7 @@ Refinement::Place Refinement::walk_to_cure(Index t) const {
     place.p = across(place.p, out, g);
     place.corner = g;
     place.face = Mesh::face(g);
+    ++steps_;
   }
   place.face = none;
   return place;
@@ -274,7 +277,7 @@ void Refinement::run() {
   for (Index t = 0; t < mesh_.faces(); ++t) look_at(t);
   while (!halves_.empty() || !bad_.empty()) {
     check_cancelled();
-    if (mesh_.vertices() >= most_ || !flips_.complete()) {
+    if (mesh_.vertices() >= most_ || !flips_.complete() || steps_ > steps_per_vertex * most_) {
       complete_ = false;
       return;
     }

@@ -74,7 +74,7 @@ class Refinement {
   void look_at(Index t);
   [[nodiscard]] bool same(const Bad& bad) const;
   void cure(const Bad& worst);
-  [[nodiscard]] Place walk_to_cure(Index t) const;
+  [[nodiscard]] Place walk_to_cure(Index t);
   [[nodiscard]] IntrinsicMesh::Points across(const IntrinsicMesh::Points& p, std::size_t k, Index g) const;
   [[nodiscard]] Index influenced(const Place& place) const;
   void halve(Index e);
@@ -86,6 +86,7 @@ class Refinement {
   double cot_;      // of the smallest angle
   double largest_;  // squared radius
   Index most_;
+  std::int64_t steps_ = 0;  // of all walks
   bool complete_ = true;
   bool any_fixed_ = false;
   std::map<int, std::vector<Bad>> bad_;  // by the octave of the squared radius

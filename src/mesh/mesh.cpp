@@ -13,6 +13,7 @@
 #include "alcap/mesh_check.h"
 #include "src/base/array.h"
 #include "src/base/limits.h"
+#include "src/base/pages.h"
 #include "src/base/parallel.h"
 
 namespace alcap {
@@ -131,8 +132,8 @@ void number_edges(const VectorX<Index>& twin, VectorX<Index>& edge, VectorX<Inde
         before[c] = count;
       },
       1);
-  edge_halfedge.resize(parallel_exclusive_scan(before.data(), chunks));
-  edge.resize(n);
+  detail::resize_unset(edge_halfedge, parallel_exclusive_scan(before.data(), chunks));
+  detail::resize_unset(edge, n);
   parallel_for(
       chunks,
       [&](std::int64_t c) {
@@ -179,7 +180,7 @@ Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
   vertex_count_ = static_cast<Index>(vertex_count);
 
   Leaving leaving(F_.data(), halfedges(), vertex_count_);
-  twin_.resize(halfedges());
+  detail::resize_unset(twin_, halfedges());
   if (!find_twins(leaving, vertex_count_, halfedges(), twin_.data())) throw_first_defect(F_, vertex_count);
 
   // Every corner of a manifold vertex is met by one walk around it.
@@ -187,7 +188,7 @@ Mesh::Mesh(Faces F, std::int64_t vertex_count) : F_(std::move(F)) {
     bool manifold = true;
     Index referenced = 0;
   };
-  first_.resize(vertex_count_);
+  detail::resize_unset(first_, vertex_count_);
   const Tally tally = parallel_reduce(
       std::int64_t{vertex_count_}, Tally{},
       [&](std::int64_t begin, std::int64_t end) {

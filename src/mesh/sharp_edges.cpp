@@ -289,6 +289,15 @@ FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges, dou
   return graph;
 }
 
+FeatureGraph feature_graph(const Surface& surface, std::vector<Index> edges, const SharpEdgeOptions& options) {
+  check_options(options);
+  if (options.gap > 0 || options.spur > 0)
+    edges = feature_graph(surface, std::move(edges)).edges;  // checked, once each
+  if (options.gap > 0) close_gaps(surface, options, edges);
+  if (options.spur > 0) remove_spurs(surface, options, edges);
+  return feature_graph(surface, std::move(edges), options.corner_angle);
+}
+
 std::vector<Index> edges_between(const Surface& surface, const std::vector<std::array<Index, 2>>& pairs) {
   std::vector<Index> edges;
   for (const auto& [i, j] : pairs) {
@@ -317,9 +326,7 @@ FeatureGraph sharp_edges(const Surface& surface, const SharpEdgeOptions& options
   std::vector<Index> edges;
   for (Index e = 0; e < mesh.edges(); ++e)
     if (sharp[static_cast<std::size_t>(e)] != 0) edges.push_back(e);
-  if (options.gap > 0) close_gaps(surface, options, edges);
-  if (options.spur > 0) remove_spurs(surface, options, edges);
-  return feature_graph(surface, std::move(edges), options.corner_angle);
+  return feature_graph(surface, std::move(edges), options);
 }
 
 }  // namespace alcap

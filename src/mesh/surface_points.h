@@ -11,7 +11,7 @@
 namespace alcap::detail {
 
 /// points[k] of an argument `points`: on an edge or a vertex where it is closer than 1e-9 of its face to it, with
-/// coordinates that sum to 1. Throws OptionError naming it when it is no point of the mesh.
+/// coordinates that sum to 1. Throws OptionError naming it when it is not a point of the mesh.
 [[nodiscard]] SurfacePoint checked_point(const Mesh& mesh, const SurfacePoint& p, std::size_t k);
 
 /// Every face that holds the point, which lies on an edge or a vertex where coordinates are exactly zero, with its

@@ -2,6 +2,7 @@
 //
 // design_intrinsic.cpp: designs that are solved on an intrinsic triangulation: what is asked on the mesh, there, and
 // the field back on the mesh.
+#include <algorithm>
 #include <array>
 #include <utility>
 #include <variant>
@@ -11,14 +12,30 @@
 
 namespace alcap::detail {
 
+void DesignStages::keep_edges(const std::vector<Index>& features) {
+  if (options_.triangulation == Triangulation::extrinsic) return;
+  // The boundary as well, so that it is known what became of its edges; designs may follow it.
+  std::vector<Index> kept = sharp_edges(surface_, {.creases = false}).edges;
+  kept.insert(kept.end(), features.begin(), features.end());
+  std::sort(kept.begin(), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+  if (kept == kept_) return;
+  kept_ = std::move(kept);
+  triangulation_.reset();
+  if (solve_ || needles_stay_) connection_text_.clear();  // made on another triangulation, or for want of one
+}
+
+FeatureGraph DesignStages::graph_there(const FeatureGraph& graph) const {
+  return solve_ ? graph_on(solve_->triangulation(), kept_, graph) : graph;
+}
+
 bool DesignStages::connect_intrinsic(const ConnectionOptions& options) {
   solve_.reset();
+  needles_stay_ = false;
   if (!wants_intrinsic(surface_, options_.triangulation, options)) return false;
-  // The boundary, so that it is known what became of its edges; designs may follow it.
-  if (!triangulation_)
-    triangulation_ = triangulate(surface_, options_.triangulation, options_.min_angle,
-                                 sharp_edges(surface_, {.creases = false}).edges);
-  if (!triangulation_) return false;
+  if (!triangulation_) triangulation_ = triangulate(surface_, options_.triangulation, options_.min_angle, kept_);
+  needles_stay_ = !triangulation_;
+  if (needles_stay_) return false;
   solve_ = std::make_unique<IntrinsicSolve>(surface_, *triangulation_, options);
   connected_ = solve_->surface();
   ConnectionOptions given = options;
@@ -43,6 +60,8 @@ std::vector<DesignControl> DesignStages::carried(std::vector<DesignControl> cont
       fixed->value = solve_->from_given(fixed->vertex, fixed->value, n);
     } else if (auto* const stroke = std::get_if<Stroke>(&c.control)) {
       stroke->line = trace.line(stroke->line);
+    } else if (auto* const features = std::get_if<FeatureAlignment>(&c.control)) {
+      features->features = graph_there(features->features);
     }
   }
   return controls;

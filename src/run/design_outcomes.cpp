@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "alcap/operators.h"
+#include "src/base/index_text.h"
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/run/design_stages.h"
@@ -17,12 +18,10 @@ namespace {
 
 using Type = DesignOutcome::Type;
 
-// Cones are exact up to rounding; in turns.
-constexpr double cone_tolerance = 1e-6;
-
 Type type_of(const Control& control) {
   if (std::holds_alternative<SingularityTarget>(control)) return Type::singularity;
   if (std::holds_alternative<VertexConstraint>(control)) return Type::fixed;
+  if (std::holds_alternative<FeatureAlignment>(control)) return Type::features;
   return std::holds_alternative<Stroke>(control) ? Type::stroke : Type::boundary;
 }
 
@@ -34,39 +33,15 @@ void judge_singularity(const DesignRun& run, const SolvedDesign& solved, const S
   const ConnectedSurface& surface = solved.surface;
   const Field field{run.design.n, solved.u, nullptr};
   out.length_at_pin = length_at_pin(surface.mesh(), surface.geometry(), surface.connection(), field, solved_target);
-  out.met = out.met && out.length_at_pin <= pinned_length;
+  out.met = out.met && out.length_at_pin <= *out.tolerance_relative;
 }
 
-/// Curvature that the connection gives every vertex, in turns: 1 - (sum of the corner angles it sees) / 2 pi.
-VectorX<double> vertex_turns(const ConnectedSurface& surface) {
-  const Mesh& mesh = surface.mesh();
-  VectorX<double> turns = VectorX<double>::Ones(mesh.vertices());
-  const auto& alpha = surface.connection().alpha;
-  for (Index h = 0; h < mesh.halfedges(); ++h) {
-    const double turned = alpha.size() ? alpha[h] - alpha[Mesh::prev(h)] : 0.0;
-    turns[mesh.tail(h)] -= (surface.geometry().angles()[h] + turned) / (2 * pi<double>);
-  }
-  return turns;
-}
-
-void judge_cones(const DesignRun& run, const ConnectedSurface& solved, std::vector<DesignOutcome>& outcomes) {
+void judge_cones(const DesignRun& run, const ConnectedSurface& solved, double tolerance_degrees,
+                 std::vector<DesignOutcome>& outcomes) {
   const std::vector<Cone>& cones = run.design.connection.cones;
-  if (cones.empty()) return;
-  const VectorX<double> turns = vertex_turns(solved);
   for (std::size_t k = 0; k < cones.size(); ++k) {
-    const Index v = cones[k].vertex;
-    // Several entries for one vertex add up.
-    double asked = 0;
-    for (const Cone& c : cones) asked += c.vertex == v ? c.index : 0.0;
-    const double error = std::abs(turns[v] - asked);
-    outcomes.push_back({.type = Type::cone,
-                        .number = k,
-                        .path = "/connection/cones/" + std::to_string(k),
-                        .name = "cone at vertex " + std::to_string(v),
-                        .met = error <= cone_tolerance,
-                        .error_degrees = error * 360,
-                        .cone_asked = asked,
-                        .cone_index = turns[v]});
+    const double turns = vertex_turns(solved.mesh(), solved.geometry(), solved.connection(), cones[k].vertex);
+    outcomes.push_back(judge_cone(cones, k, turns, tolerance_degrees));
   }
 }
 
@@ -102,6 +77,32 @@ Remark remark_pieces(const std::vector<char>& empty) {
   return remark;
 }
 
+double vertex_turns(const Mesh& mesh, const Geometry& geometry, const Connection& connection, Index v) {
+  double turns = 1;
+  const auto& alpha = connection.alpha;
+  mesh.for_each_outgoing(v, [&](Index h) {
+    const double turned = alpha.size() ? alpha[h] - alpha[Mesh::prev(h)] : 0.0;
+    turns -= (geometry.angle(h) + turned) / (2 * pi<double>);
+  });
+  return turns;
+}
+
+DesignOutcome judge_cone(const std::vector<Cone>& cones, std::size_t k, double turns, double tolerance_degrees) {
+  // Several entries for one vertex add up.
+  double asked = 0;
+  for (const Cone& c : cones) asked += c.vertex == cones[k].vertex ? c.index : 0.0;
+  const double degrees = std::abs(turns - asked) * 360;
+  return {.type = Type::cone,
+          .number = k,
+          .path = "/connection/cones/" + std::to_string(k),
+          .name = "cone at vertex " + std::to_string(cones[k].vertex),
+          .met = degrees <= tolerance_degrees,
+          .error_degrees = degrees,
+          .tolerance_degrees = tolerance_degrees,
+          .cone_asked = asked,
+          .cone_index = turns};
+}
+
 double length_at_pin(const Mesh& mesh, const Geometry& geometry, const Connection& connection, const Field& field,
                      const SingularityTarget& target) {
   const FieldValue there = face_field(mesh, geometry, connection, field.n, field.u, target.face).at(*target.pin);
@@ -110,7 +111,7 @@ double length_at_pin(const Mesh& mesh, const Geometry& geometry, const Connectio
   return size > 0 ? std::abs(there.u) / size : 0;
 }
 
-Remark unmet(const DesignOutcome& outcome, Index next_target) {
+Remark unmet(const DesignOutcome& outcome, int n, Index next_target) {
   std::string what = "off by " + degrees_text(outcome.error_degrees);
   Remark remark{.code = "control_not_met", .count = 1};
   switch (outcome.type) {
@@ -119,8 +120,8 @@ Remark unmet(const DesignOutcome& outcome, Index next_target) {
       remark.first = {target.face};
       if (const int asked = target.sign * target.count; outcome.index != asked)
         what = std::string(target.count > 1 ? "the faces around " : "") + "face " + std::to_string(target.face) +
-               (target.count > 1 ? " have" : " has") + " index " + std::to_string(outcome.index) + " instead of " +
-               std::to_string(asked);
+               (target.count > 1 ? " have" : " has") + " index " + turns_text(outcome.index, n) + " instead of " +
+               turns_text(asked, n);
       if (next_target != none)
         what += "; it is too close to the target in face " + std::to_string(next_target) +
                 ", with which it shares a vertex: put faces between them, or refine the mesh there";
@@ -130,6 +131,7 @@ Remark unmet(const DesignOutcome& outcome, Index next_target) {
     }
     case Type::stroke:
     case Type::boundary:
+    case Type::features:
       what += " on average; more weight helps";
       break;
     case Type::fixed:
@@ -142,11 +144,38 @@ Remark unmet(const DesignOutcome& outcome, Index next_target) {
   return remark;
 }
 
+void set_tolerance(const ControlTolerances& tolerances, DesignMethod method, DesignOutcome& outcome) {
+  const auto* const target = outcome.control ? std::get_if<SingularityTarget>(&*outcome.control) : nullptr;
+  const auto* const fixed = outcome.control ? std::get_if<VertexConstraint>(&*outcome.control) : nullptr;
+  switch (outcome.type) {
+    case Type::singularity:
+      outcome.tolerance_degrees = tolerances.singularity_degrees;
+      if (target != nullptr && target->pin) outcome.tolerance_relative = tolerances.pin_length;
+      break;
+    case Type::fixed:
+      outcome.tolerance_degrees = tolerances.fixed_degrees;
+      if (fixed != nullptr && !fixed->direction_only && method == DesignMethod::variational)
+        outcome.tolerance_relative = tolerances.fixed_value;
+      break;
+    case Type::stroke:
+    case Type::features:
+      outcome.tolerance_degrees = tolerances.stroke_degrees;
+      break;
+    case Type::boundary:
+      outcome.tolerance_degrees = tolerances.boundary_degrees;
+      break;
+    case Type::cone:
+      outcome.tolerance_degrees = tolerances.cone_degrees;
+      break;
+  }
+}
+
 std::vector<DesignOutcome> judge_design(const DesignRun& run, const SolvedDesign& solved,
                                         const std::vector<DesignControl>& controls,
-                                        const std::vector<ControlReport>& reports) {
+                                        const std::vector<ControlReport>& reports,
+                                        const ControlTolerances& tolerances) {
   std::vector<DesignOutcome> outcomes;
-  std::size_t numbers[4] = {};
+  std::size_t numbers[6] = {};
   for (std::size_t k = 0; k < controls.size(); ++k) {
     const DesignControl& c = controls[k];
     const ControlReport& report = reports.at(k);
@@ -159,11 +188,12 @@ std::vector<DesignOutcome> judge_design(const DesignRun& run, const SolvedDesign
                                                              .met = report.met,
                                                              .error_degrees = report.error_degrees,
                                                              .index = report.index});
+    set_tolerance(tolerances, run.design.method, out);
     if (type == Type::singularity)
       judge_singularity(run, solved, std::get<SingularityTarget>(c.control),
                         std::get<SingularityTarget>(solved.controls[k].control), out);
   }
-  judge_cones(run, solved.surface, outcomes);
+  judge_cones(run, solved.surface, tolerances.cone_degrees, outcomes);
   return outcomes;
 }
 
@@ -213,22 +243,30 @@ void certify_design(const Connection& solved, bool eigen_converged, double large
   for (const DesignOutcome& outcome : run.outcomes) {
     if (outcome.met) continue;
     const bool target = outcome.type == Type::singularity;
-    Remark remark = unmet(outcome, target ? target_next_to(run, std::get<SingularityTarget>(*outcome.control)) : none);
+    Remark remark = unmet(outcome, run.design.n,
+                          target ? target_next_to(run, std::get<SingularityTarget>(*outcome.control)) : none);
     if (outcome.type == Type::cone) remark.first = {run.design.connection.cones[outcome.number].vertex};
     run.remarks.push_back(std::move(remark));
   }
   if (solved.flat && !solved.admits_parallel(run.design.n)) run.remarks.push_back(not_parallel(run.design.n));
   const bool linear = run.design.method == DesignMethod::variational;
-  certificate_remarks(c, linear ? "; try another DesignRunOptions::solver" : "", run.remarks);
+  const std::string solver = "; try another DesignRunOptions::solver";
+  certificate_remarks(c,
+                      {.connection = "; a larger GlobalOptions::detail makes it easier, slivers make it harder",
+                       .eigen = solver,
+                       .linear = linear ? std::optional(solver) : std::nullopt},
+                      run.remarks);
 }
 
-void certificate_remarks(const DesignCertificate& c, const std::string& remedy, std::vector<Remark>& remarks) {
+void certificate_remarks(const DesignCertificate& c, const Remedies& remedies, std::vector<Remark>& remarks) {
   const auto warn = [&](bool fine, const char* code, const std::string& message) {
     if (!fine) remarks.push_back({.code = code, .message = message});
   };
-  warn(c.connection_converged, "connection_not_converged", "the connection did not reach its tolerance");
-  warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance");
-  warn(c.residual_small || remedy.empty(), "residual_large", "the linear solve did not reach its tolerance" + remedy);
+  warn(c.connection_converged, "connection_not_converged",
+       "the connection did not reach its tolerance" + remedies.connection);
+  warn(c.eigen_converged, "eigen_not_converged", "an eigensolver did not reach its tolerance" + remedies.eigen);
+  warn(c.residual_small || !remedies.linear, "residual_large",
+       "the linear solve did not reach its tolerance" + remedies.linear.value_or(""));
   warn(c.index_sums_match || !c.finite, "index_sum_mismatch",
        "the indices do not sum to what topology demands; please report this mesh");
   warn(c.finite, "not_finite", "the field has values that are not finite numbers");

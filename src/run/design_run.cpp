@@ -7,6 +7,7 @@
 #include <utility>
 #include <variant>
 
+#include "alcap/aligned.h"
 #include "alcap/alignment.h"
 #include "alcap/cones.h"
 #include "alcap/eigen_design.h"
@@ -16,6 +17,7 @@
 #include "src/base/numbers.h"
 #include "src/base/parallel.h"
 #include "src/design/file/problem.h"
+#include "src/design/tolerances.h"
 #include "src/field/smoothest_on.h"
 #include "src/run/design_stages.h"
 
@@ -51,6 +53,7 @@ std::string designer_key(const DesignFile& design) {
   part.fixed.clear();
   part.strokes.clear();
   part.boundary = {};
+  part.features = {};
   return design_text(part);
 }
 
@@ -70,6 +73,12 @@ std::vector<std::string> control_keys(const DesignFile& design) {
     DesignFile part;
     part.n = design.n;
     part.boundary = design.boundary;
+    keys.push_back(design_text(part));
+  }
+  if (design.features.wanted) {
+    DesignFile part;
+    part.n = design.n;
+    part.features = design.features;
     keys.push_back(design_text(part));
   }
   return keys;
@@ -95,6 +104,7 @@ DesignStages::DesignStages(Surface surface, DesignRunOptions options, bool once)
     throw OptionError("threads", options_.threads, "must be 0 (all of the machine) or 1 to 4096");
   if (!(options_.residual > 0 && options_.residual < 1))
     throw OptionError("residual", options_.residual, "must be in (0, 1)");
+  check_tolerances(options_.tolerances);
 }
 
 void DesignStages::forget() {
@@ -125,6 +135,12 @@ void DesignStages::guide(const DesignFile& placed, Source source) {
   guidance_text_ = std::move(text);
 }
 
+VectorX<double> DesignStages::guidance_weights(const DesignGuidance& g) const {
+  const VectorX<double> weights =
+      Eigen::Map<const VectorX<double>>(g.weights.data(), static_cast<Eigen::Index>(g.weights.size()));
+  return solve_ && weights.size() > 0 ? solve_->from_given(weights) : weights;
+}
+
 void DesignStages::prepare(const DesignFile& placed, const std::vector<DesignControl>& controls) {
   std::string text = designer_key(placed);
   if (text == designer_text_ && designer_) return;
@@ -137,14 +153,11 @@ void DesignStages::prepare(const DesignFile& placed, const std::vector<DesignCon
                                                          .guidance_weight = guided && !g.t ? g.weight : 0.0,
                                                          .t = g.t,
                                                          .s = placed.s,
+                                                         .tolerances = options_.tolerances,
                                                          .solver = options_.solver,
                                                          .right_hand_sides = once_ ? right_hand_sides(controls) : 0});
   if (guidance_.u) designer_->set_guidance(*guidance_.u);
-  if (!g.weights.empty()) {
-    const VectorX<double> weights =
-        Eigen::Map<const VectorX<double>>(g.weights.data(), static_cast<Eigen::Index>(g.weights.size()));
-    designer_->set_guidance_weights(solve_ ? solve_->from_given(weights) : weights);
-  }
+  if (!g.weights.empty()) designer_->set_guidance_weights(guidance_weights(g));
   designer_text_ = std::move(text);
 }
 
@@ -208,6 +221,8 @@ bool DesignStages::fill_pieces(const std::vector<DesignControl>& controls, Desig
     }
     if (std::holds_alternative<BoundaryAlignment>(c.control))
       for (const Loop& loop : topology.loops) empty[at(loop.component)] = 0;
+    if (const auto* features = std::get_if<FeatureAlignment>(&c.control))
+      for (const Index e : features->features.edges) touched(Mesh::face(connected_.mesh().halfedge(e)));
   }
   if (guidance_.u)
     for (Index v = 0; v < connected_.mesh().vertices(); ++v)
@@ -241,7 +256,8 @@ EigenControls eigen_controls(const ConnectedSurface& surface, const std::vector<
     if (const auto* target = std::get_if<SingularityTarget>(&c.control)) asked.singularities.push_back(*target);
     if (const auto* fixed = std::get_if<VertexConstraint>(&c.control)) asked.fixed.push_back(*fixed);
     if (const auto* stroke = std::get_if<Stroke>(&c.control))
-      asked.strokes.push_back({.line = stroke->line, .weight = stroke->weight});
+      asked.strokes.push_back({.line = stroke->line, .weight = stroke->weight, .radius = stroke->radius});
+    if (const auto* features = std::get_if<FeatureAlignment>(&c.control)) asked.features.push_back(*features);
   }
   for (const DesignControl& c : controls) {
     const auto* const boundary = std::get_if<BoundaryAlignment>(&c.control);
@@ -259,10 +275,10 @@ EigenControls eigen_controls(const ConnectedSurface& surface, const std::vector<
   return asked;
 }
 
-/// In the order of controls: singularities, fixed vertices, strokes, and the boundary, whose loops are the last
-/// strokes.
+/// In the order of controls: singularities, fixed vertices, strokes, the boundary, whose loops are the last strokes,
+/// and features.
 std::vector<ControlReport> eigen_reports(const std::vector<DesignControl>& controls, const EigenControls& asked,
-                                         const EigenDesignResult& result) {
+                                         const EigenDesignResult& result, double boundary_degrees) {
   std::vector<ControlReport> reports = result.singularities;
   reports.insert(reports.end(), result.fixed.begin(), result.fixed.end());
   std::size_t k = 0;
@@ -277,9 +293,10 @@ std::vector<ControlReport> eigen_reports(const std::vector<DesignControl>& contr
         length += asked.strokes[k].line.length();
       }
       degrees /= length;
-      reports.push_back({.met = degrees <= stroke_met_degrees, .error_degrees = degrees});
+      reports.push_back({.met = degrees <= boundary_degrees, .error_degrees = degrees});
     }
   }
+  reports.insert(reports.end(), result.features.begin(), result.features.end());
   return reports;
 }
 
@@ -287,16 +304,31 @@ std::vector<ControlReport> eigen_reports(const std::vector<DesignControl>& contr
 
 bool DesignStages::solve_eigen(const std::vector<DesignControl>& controls, std::vector<ControlReport>& reports,
                                DesignRun& run) {
-  const EigenControls asked = eigen_controls(connected_, controls);
+  EigenControls asked = eigen_controls(connected_, controls);
+  const DesignGuidance& g = run.design.guidance;
+  bool converged = true;
+  if (g.source != Source::nothing) {
+    const Stopwatch watch;
+    say("guidance");
+    guide(run.design, g.source);
+    run.guidance = guidance_.u;
+    run.guidance_scale = guidance_.scale;
+    converged = guidance_.converged;
+    if (guidance_.u) asked.guidance = *guidance_.u;
+    asked.guidance_weight = g.weight;
+    asked.guidance_weights = guidance_weights(g);
+    run.times.guidance = watch.seconds();
+  }
   say("solve");
-  EigenDesignResult result = eigen_design(
-      connected_, asked,
-      {.n = run.design.n, .s = run.design.s, .eigen = {.tolerance = options_.residual, .solver = options_.solver}});
+  EigenDesignResult result = eigen_design(connected_, asked,
+                                          {.n = run.design.n,
+                                           .s = run.design.s,
+                                           .eigen = {.tolerance = options_.residual, .solver = options_.solver},
+                                           .tolerances = options_.tolerances});
   run.times.prepare = result.assembly_seconds;
   run.times.solve = result.eigen_seconds;
-  reports = eigen_reports(controls, asked, result);
+  reports = eigen_reports(controls, asked, result, options_.tolerances.boundary_degrees);
   run.field = std::move(result.field);
-  bool converged = true;
   for (const EigenReport& e : result.components) {
     converged = converged && e.converged;
     run.residual = std::max(run.residual, e.residual);
@@ -328,6 +360,8 @@ DesignRun DesignStages::solve(const DesignFile& design) {
   Stopwatch watch;
   say("connection");
   run.design = place_design(design, surface_);
+  if (design.features.wanted) run.features.emplace().graph = design_features(design, surface_);
+  keep_edges(run.design.features.wanted ? run.features->graph.edges : std::vector<Index>{});
   connect(run.design);
   run.surface = given_;
   // From here on the cones are those of the connection.
@@ -339,13 +373,13 @@ DesignRun DesignStages::solve(const DesignFile& design) {
 
   std::vector<ControlReport> reports;
   bool converged = true;
-  const bool boundary_alone = follows_boundary_alone(run.design);
-  if (boundary_alone) {
+  const AlignedAlone alone = aligned_alone(run.design);
+  if (alone != AlignedAlone::no) {
     say("solve");
-    const FeatureGraph boundary = sharp_edges(surface_, {.creases = false});
+    const FeatureGraph lines =
+        alone == AlignedAlone::features ? run.features->graph : sharp_edges(surface_, {.creases = false});
     const double coarser = static_cast<double>(connected_.mesh().vertices()) / given_.mesh().vertices();
-    converged = solve_along_boundary(connected_, solve_ ? graph_on(solve_->triangulation(), boundary) : boundary,
-                                     coarser, options_, there, reports, run);
+    converged = solve_along(alone, connected_, graph_there(lines), coarser, options_, there, reports, run);
   } else if (run.design.method == DesignMethod::variational) {
     converged = solve_guided(there, reports, run);
   } else {
@@ -357,21 +391,30 @@ DesignRun DesignStages::solve(const DesignFile& design) {
   const ComplexVectorX<double> solved = run.field.u;
   if (solve_) bring_back(run);
   const bool lone = controls.empty() && run.design.guidance.source == Source::nothing;
-  if (run.design.method == DesignMethod::variational && !boundary_alone && !lone)
+  const bool guided = run.design.guidance.source != Source::nothing;
+  if ((run.design.method == DesignMethod::variational || guided) && alone == AlignedAlone::no && !lone)
     remark_vanishing(options_.residual, run);
-  analyse(solved, controls, there, reports, converged, run);
+  analyse(design, solved, controls, there, reports, converged, run);
   run.times.analysis = watch.lap();
   return run;
 }
 
-void DesignStages::analyse(const ComplexVectorX<double>& solved, const std::vector<DesignControl>& controls,
+void DesignStages::analyse(const DesignFile& asked, const ComplexVectorX<double>& solved,
+                           const std::vector<DesignControl>& controls,
                            const std::vector<DesignControl>& solved_controls, const std::vector<ControlReport>& reports,
                            bool converged, DesignRun& run) const {
   run.indices = face_indices(run.surface, run.field);
   run.index_sums = index_sums(run.surface, run.field, run.indices);
   run.singularities = find_singularities(run.surface, run.field, run.indices);
-  run.outcomes = judge_design(run, {connected_, solved, solved_controls}, controls, reports);
+  run.outcomes = judge_design(run, {connected_, solved, solved_controls}, controls, reports, options_.tolerances);
   if (run.triangulation) remark_triangulation(*run.triangulation, run.singularities.size(), run.remarks);
+  if (needles_stay_) run.remarks.push_back(own_triangles());
+  if (run.features) {
+    if (asked.features.hold)
+      run.features->free_corners =
+          feature_directions(run.surface, run.features->graph, asked.n, asked.features.across).free_corners;
+    judge_design_features(asked, run);
+  }
   certify_design(connected_.connection(), converged, options_.residual, run);
   if (options_.normalise) run.field = normalised(std::move(run.field));
 }

@@ -12,13 +12,15 @@
 namespace alcap::detail {
 namespace {
 
+constexpr double followed_degrees = ControlTolerances{}.stroke_degrees;
+
 constexpr std::size_t features_named = 8;
 
-void remark_features(const FieldFeatures& features, std::vector<Remark>& remarks) {
+}  // namespace
+
+void remark_features(const FieldFeatures& features, const char* none, std::vector<Remark>& remarks) {
   if (features.graph.edges.empty()) {
-    remarks.push_back(
-        {.code = "no_features",
-         .message = "no edge folds enough to be a feature, and there is no boundary; the field is the smoothest one"});
+    remarks.push_back({.code = "no_features", .message = none});
     return;
   }
   if (!features.free_corners.empty()) {
@@ -44,27 +46,17 @@ void remark_features(const FieldFeatures& features, std::vector<Remark>& remarks
                        .count = rows});
 }
 
-void remark_unmet(const FieldFeatures& features, const Certificate& certificate, std::vector<Remark>& remarks) {
-  if (!certificate.directions_settled) {
-    const auto count = std::count_if(features.pieces.begin(), features.pieces.end(),
-                                     [](const AlignedPiece& piece) { return !piece.settled; });
-    remarks.push_back({.code = "not_settled",
-                       .message = "directions still changed when the steps were used up, on " +
-                                  counted(count, "component", "components") + "; allow more steps",
-                       .count = count});
-  }
-  if (!features.followed) {
-    const auto& lines = features.report.lines;
-    const auto count = std::count_if(lines.begin(), lines.end(),
-                                     [](const LineDeviation& line) { return line.mean_degrees > stroke_met_degrees; });
-    remarks.push_back({.code = "features_not_followed",
-                       .message = "the field is more than " + rounded_text(stroke_met_degrees) +
-                                  " degrees off on average along " + counted(count, "feature line", "feature lines"),
-                       .count = count});
-  }
+void judge_followed(FieldFeatures& features, std::vector<Remark>& remarks) {
+  const auto& lines = features.report.lines;
+  const auto count = std::count_if(lines.begin(), lines.end(),
+                                   [](const LineDeviation& line) { return line.mean_degrees > followed_degrees; });
+  features.followed = count == 0;
+  if (features.followed) return;
+  remarks.push_back({.code = "features_not_followed",
+                     .message = "the field is more than " + rounded_text(followed_degrees) +
+                                " degrees off on average along " + counted(count, "feature line", "feature lines"),
+                     .count = count});
 }
-
-}  // namespace
 
 FeatureGraph features_of(const FieldRunOptions& options, const Surface& surface) {
   const FieldAlignment& align = *options.align;
@@ -74,7 +66,7 @@ FeatureGraph features_of(const FieldRunOptions& options, const Surface& surface)
   if (options.modes > 1)
     throw OptionError("modes", options.modes, "must be 1 for alignment, which solves for one field");
   return align.edges.empty() ? sharp_edges(surface, align.features)
-                             : feature_graph(surface, edges_between(surface, align.edges), align.features.corner_angle);
+                             : feature_graph(surface, edges_between(surface, align.edges), align.features);
 }
 
 void solve_aligned(const FieldRunOptions& options, const ConnectedSurface& surface, FeatureGraph graph, double coarser,
@@ -110,11 +102,18 @@ void judge_aligned(const FieldRunOptions& options, FieldRun& run) {
     certificate.eigen_converged = certificate.eigen_converged && piece.eigen->converged;
     if (piece.eigen->smallest == Smallest::refuted) certificate.smallest = Smallest::refuted;
   }
-  const auto& lines = features.report.lines;
-  features.followed = std::all_of(lines.begin(), lines.end(),
-                                  [](const LineDeviation& line) { return line.mean_degrees <= stroke_met_degrees; });
-  remark_features(features, run.remarks);
-  remark_unmet(features, certificate, run.remarks);
+  remark_features(features,
+                  "no edge folds enough to be a feature, and there is no boundary; the field is the smoothest one",
+                  run.remarks);
+  if (!certificate.directions_settled) {
+    const auto count = std::count_if(features.pieces.begin(), features.pieces.end(),
+                                     [](const AlignedPiece& piece) { return !piece.settled; });
+    run.remarks.push_back({.code = "not_settled",
+                           .message = "directions still changed when the steps were used up, on " +
+                                      counted(count, "component", "components") + "; allow more steps",
+                           .count = count});
+  }
+  judge_followed(features, run.remarks);
 }
 
 }  // namespace alcap::detail

@@ -18,4 +18,10 @@ void solve_aligned(const FieldRunOptions& options, const ConnectedSurface& surfa
 /// Deviations, what the certificate says of them, and remarks, when indices and singularities are known.
 void judge_aligned(const FieldRunOptions& options, FieldRun& run);
 
+/// What is worth saying about features: `none` where there are none, free corners, edges between them.
+void remark_features(const FieldFeatures& features, const char* none, std::vector<Remark>& remarks);
+
+/// Sets `followed`, and warns where it is false.
+void judge_followed(FieldFeatures& features, std::vector<Remark>& remarks);
+
 }  // namespace alcap::detail

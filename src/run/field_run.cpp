@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "alcap/mesh_check.h"
+#include "solvers/eigenpair/problem.h"
 #include "src/base/cancel.h"
 #include "src/base/clock.h"
 #include "src/base/numbers.h"
@@ -31,12 +32,6 @@ constexpr double sliver_angle = 0.002;
 
 // Boundary vertices this close, in diagonals of the box, may have been one before single precision or a jitter.
 constexpr double near_coincident = 1e-6;
-
-// Two smallest eigenvalues this close together (relative) leave the choice within their span to chance.
-constexpr double degenerate_gap = 1e-6;
-
-// So close to each other they are two fields, but noise or another triangulation may exchange them.
-constexpr double small_gap = 1e-3;
 
 void remark_unreferenced(const Mesh& mesh, std::vector<Remark>& remarks) {
   const std::int64_t count = mesh.vertices() - mesh.referenced_vertices();
@@ -101,91 +96,6 @@ void remark_slivers(const Surface& surface, std::vector<Remark>& remarks) {
   remark.message = counted(remark.count, "face has", "faces have") +
                    " a corner below 0.1 degrees; the result holds, solving takes longer";
   remarks.push_back(std::move(remark));
-}
-
-void remark_smallest(const FieldRun& run, std::vector<Remark>& remarks) {
-  Remark refuted{.code = "not_smallest"}, replaced{.code = "solved_again", .warning = false};
-  std::string said;
-  for (std::size_t c = 0; c < run.eigen.size(); ++c) {
-    const EigenReport& e = run.eigen[c];
-    const bool wrong = e.smallest == Smallest::refuted;
-    if (!wrong && (e.smallest == Smallest::not_checked || e.smallest_note.empty())) continue;
-    if (!wrong && e.smallest == Smallest::searched) continue;
-    Remark& remark = wrong ? refuted : replaced;
-    if (remark.count++ == 0 && !wrong) said = e.smallest_note;
-    if (remark.first.size() < most_named) remark.first.push_back(static_cast<Index>(c));
-  }
-  if (refuted.count > 0) {
-    refuted.message = "a smoother field exists on " + counted(refuted.count, "component", "components") +
-                      ", and was not found; please report this mesh";
-    remarks.push_back(std::move(refuted));
-  }
-  if (replaced.count > 0) {
-    replaced.message = said + (replaced.count > 1 ? "; so on " + std::to_string(replaced.count) + " components" : "");
-    remarks.push_back(std::move(replaced));
-  }
-}
-
-void remark_eigen(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
-  Remark failed{.code = "eigen_not_converged"}, degenerate{.code = "not_unique", .warning = false},
-      close{.code = "small_gap", .warning = false};
-  std::string said;
-  for (std::size_t c = 0; c < run.eigen.size(); ++c) {
-    const EigenReport& e = run.eigen[c];
-    if (!e.converged || !within_tolerance(e, options.eigen)) {
-      if (failed.count++ == 0) said = e.message;
-      if (failed.first.size() < most_named) failed.first.push_back(static_cast<Index>(c));
-    }
-    if (!e.next || *e.next - e.lambda > small_gap * std::abs(*e.next)) continue;
-    Remark& remark = *e.next - e.lambda <= degenerate_gap * std::abs(*e.next) ? degenerate : close;
-    if (static_cast<std::size_t>(remark.count++) < most_named) remark.first.push_back(static_cast<Index>(c));
-  }
-  if (failed.count > 0) {
-    failed.message = "the eigensolver did not reach the tolerance on " +
-                     counted(failed.count, "component", "components") + (said.empty() ? "" : " (" + said + ")") +
-                     "; try another EigenOptions::solver, or a larger EigenOptions::tolerance";
-    remarks.push_back(std::move(failed));
-  }
-  if (degenerate.count > 0) {
-    degenerate.message =
-        "the smallest eigenvalue is multiple (a symmetric surface): the field is one of many equally smooth ones";
-    remarks.push_back(std::move(degenerate));
-  }
-  if (close.count > 0) {
-    close.message =
-        "a second field is nearly as smooth, to a part in a thousand: which of the two, or of their mixtures, comes "
-        "out "
-        "hangs on details of the mesh";
-    remarks.push_back(std::move(close));
-  }
-}
-
-void remark_outcome(const FieldRun& run, const FieldRunOptions& options, std::vector<Remark>& remarks) {
-  if (run.triangulation ? !run.triangulation->parallel
-                        : run.connection().flat && !run.connection().admits_parallel(options.n))
-    remarks.push_back(detail::not_parallel(options.n));
-  const ConnectionReport& connection = run.triangulation ? run.triangulation->connection : run.connection().report;
-  if (!connection.converged) {
-    remarks.push_back({.code = "connection_not_converged",
-                       .message = "the connection did not reach its tolerance" +
-                                  (connection.message.empty() ? "" : " (" + connection.message + ")") +
-                                  "; small GlobalOptions::detail and slivers make it hard"});
-  }
-  remark_eigen(run, options, remarks);
-  remark_smallest(run, remarks);
-  Remark sums{.code = "index_sum_mismatch"};
-  for (std::size_t c = 0; c < run.index_sums.size(); ++c) {
-    if (run.index_sums[c].sum == run.index_sums[c].expected) continue;
-    if (static_cast<std::size_t>(sums.count++) < most_named) sums.first.push_back(static_cast<Index>(c));
-  }
-  if (sums.count > 0 && run.certificate.finite) {
-    sums.message = "the indices do not sum to what topology demands on " +
-                   counted(sums.count, "component", "components") + "; please report this mesh";
-    remarks.push_back(std::move(sums));
-  }
-  if (!run.certificate.finite) {
-    remarks.push_back({.code = "not_finite", .message = "the field has values that are not finite numbers"});
-  }
 }
 
 /// From the worst to the best.
@@ -255,6 +165,27 @@ void solve_on_mesh(const FieldRunOptions& options, const Surface& surface, Field
   run.times.eigen = result.eigen_seconds + run.modes.seconds;
 }
 
+/// Solves on an intrinsic triangulation where that is wanted and works. Where it was not asked for by name and the
+/// solvers fail on it, all is as before, and the run says so.
+bool solved_on_intrinsic(const FieldRunOptions& options, const Surface& surface, FieldRun& run) {
+  if (!detail::wants_intrinsic(surface, options.triangulation, options.connection)) return false;
+  FieldRun before = run;
+  const bool by_name = options.triangulation == Triangulation::intrinsic;
+  try {
+    const std::optional<double> connecting = detail::solve_on_intrinsic(options, surface, run);
+    const bool converged = std::ranges::all_of(run.eigen, &EigenReport::converged);
+    if (connecting && (converged || by_name)) {
+      run.times.connection = *connecting;
+      return true;
+    }
+  } catch (const SolveError&) {
+    if (by_name) throw;
+  }
+  run = std::move(before);
+  run.remarks.push_back(detail::own_triangles());
+  return false;
+}
+
 /// Everything after the mesh.
 void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& watch, const Surface& surface) {
   for (Remark& remark : mesh_remarks(surface)) {
@@ -264,13 +195,7 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.times.mesh = watch.lap();
 
   say(options, "connection");
-  const std::optional<double> connecting = detail::wants_intrinsic(surface, options.triangulation, options.connection)
-                                               ? detail::solve_on_intrinsic(options, surface, run)
-                                               : std::nullopt;
-  if (connecting)
-    run.times.connection = *connecting;
-  else
-    solve_on_mesh(options, surface, run);
+  if (!solved_on_intrinsic(options, surface, run)) solve_on_mesh(options, surface, run);
   const double solved = run.times.connection + run.times.assembly + run.times.eigen;
   const double frames = std::max(0.0, watch.lap() - solved);
 
@@ -281,7 +206,17 @@ void compute(const FieldRunOptions& options, FieldRun& run, detail::Stopwatch& w
   run.certificate = certify(run, options);
   if (run.features) detail::judge_aligned(options, run);
   if (run.triangulation) detail::remark_triangulation(*run.triangulation, run.singularities.size(), run.remarks);
-  remark_outcome(run, options, run.remarks);
+  const Connection& connection = run.connection();
+  const SolvedTriangulation* const other = run.triangulation ? &*run.triangulation : nullptr;
+  detail::outcome_remarks(
+      {.connection = other ? other->connection : connection.report,
+       .parallel = other ? other->parallel : !connection.flat || connection.admits_parallel(options.n),
+       .n = options.n,
+       .eigen = run.eigen,
+       .reached = [&](const EigenReport& e) { return within_tolerance(e, options.eigen); },
+       .index_sums = run.index_sums,
+       .finite = run.certificate.finite},
+      run.remarks);
   if (options.normalise) run.field = normalised(std::move(run.field));
   run.times.analysis = frames + watch.lap();
 }

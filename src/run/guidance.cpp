@@ -14,27 +14,35 @@ namespace {
 
 using Source = DesignGuidance::Source;
 
-// Points of a guidance file may differ from those of the surface by this much, relative to the largest coordinate:
-// what writing and reading single precision does to them.
-constexpr double same_place = 1e-6;
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& why) {
+  throw FileError("guidance " + path.string() + ": " + why, path.string());
+}
 
 ComplexVectorX<double> from_file(const ConnectedSurface& surface, const DesignFile& placed) {
   const std::filesystem::path& path = placed.guidance.file;
   const FieldFile file = read_field(path);
-  const auto refuse = [&](const std::string& why) {
-    throw FileError("guidance " + path.string() + ": " + why, path.string());
-  };
-  if (file.field.n != placed.n)
-    refuse("holds a field of n = " + std::to_string(file.field.n) +
-           ", and the design has n = " + std::to_string(placed.n));
+  if (file.field.n != placed.n) throw_other_degree(path, file.field.n, placed.n);
   const Positions<double>& V = surface.V();
   if (V.rows() != file.V.rows() || file.F.rows() != surface.F().rows() ||
       !((V - file.V).cwiseAbs().maxCoeff() <= same_place * V.cwiseAbs().maxCoeff()))
-    refuse("holds a field on another mesh; give one that was computed on this mesh");
+    throw_other_mesh(path);
   return on_frames(file.field, surface.frames()).u;
 }
 
 }  // namespace
+
+void throw_other_degree(const std::filesystem::path& path, int found, int wanted) {
+  refuse(path, "holds a field of n = " + std::to_string(found) + ", and the design has n = " + std::to_string(wanted));
+}
+
+void throw_other_mesh(const std::filesystem::path& path) {
+  refuse(path, "holds a field on another mesh; give one that was computed on this mesh");
+}
+
+void throw_no_directions(const DesignGuidance& guidance, Source source) {
+  if (source == Source::file) refuse(guidance.file, "the field is zero or not finite everywhere");
+  throw OptionError("/guidance/field", std::string(name(source)), "this surface has no such directions");
+}
 
 ScaledGuidance find_guidance(const ConnectedSurface& surface, const DesignFile& placed, Source source,
                              const std::string& solver) {
@@ -64,12 +72,7 @@ ScaledGuidance find_guidance(const ConnectedSurface& surface, const DesignFile& 
       break;
   }
   const double size = root_mean_square(surface, u);
-  if (!(size > 0) || !std::isfinite(size)) {
-    if (source == Source::file)
-      throw FileError("guidance " + placed.guidance.file.string() + ": the field is zero or not finite everywhere",
-                      placed.guidance.file.string());
-    throw OptionError("/guidance/field", std::string(name(source)), "this surface has no such directions");
-  }
+  if (!(size > 0) || !std::isfinite(size)) throw_no_directions(placed.guidance, source);
   u /= size;
   out.scale = 1 / size;
   out.u = std::make_shared<const ComplexVectorX<double>>(std::move(u));

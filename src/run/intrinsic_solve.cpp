@@ -25,6 +25,12 @@ constexpr Index faces_per_sliver = 100;
 // Circles of the refined triangulation are at most so many times that of an equilateral triangle of the mean area.
 constexpr double largest_circle = 1.5;
 
+// Flips per edge before a run gives up. Shafts and cones of needles take 2 to 7, where they can be refined at all.
+constexpr double most_flips = 20;
+
+// Sum of the cotangents opposite an edge that does no harm if it is barred from its flip: two corners of 117 degrees.
+constexpr double obtuse = -1;
+
 // Weights of edges that the refinement's budget left obtuse: any positive one gives a definite matrix.
 constexpr double least_weight = 1e-3;
 
@@ -36,10 +42,12 @@ double largest_radius(const Surface& surface) {
 /// Why a connection cannot be made on other triangles; null where it can.
 const char* belongs_to_mesh(const ConnectionOptions& c) {
   if (!c.generator_holonomy.empty())
-    return "does not go with holonomies, which are prescribed along strips of the mesh's own triangles; without them "
+    return "cannot be combined with holonomies, which are prescribed along strips of the mesh's own triangles; without "
+           "them "
            "the nearest possible ones are taken";
   if (c.target.rotation.size() + c.target.adjustment.size() + c.target.face_curvature.size() > 0)
-    return "does not go with a connection target per halfedge or face, which belongs to the mesh's own triangles; one "
+    return "cannot be combined with a connection target per halfedge or face, which belongs to the mesh's own "
+           "triangles; one "
            "per vertex carries over";
   return nullptr;
 }
@@ -75,16 +83,45 @@ bool wants_intrinsic(const Surface& surface, Triangulation kind, const Connectio
          triangle_quality(surface).slivers >= std::max<Index>(1, surface.mesh().faces() / faces_per_sliver);
 }
 
-std::optional<IntrinsicTriangulation> triangulate(const Surface& surface, Triangulation kind, double min_angle,
-                                                  std::vector<Index> keep) {
+namespace {
+
+/// Refinement that its budget ended in the middle of a needle leaves worse triangles there than were given, and so do
+/// flips that others bar.
+bool improves(const IntrinsicTriangulation& now) {
+  return now.after.angle_min >= now.before.angle_min &&
+         now.after.cotangent_min >= std::min(now.before.cotangent_min, obtuse) &&
+         (now.complete || now.after.slivers == 0);
+}
+
+/// Nothing where lengths are too far apart.
+std::optional<IntrinsicTriangulation> attempt(const Surface& surface, const IntrinsicOptions& options) {
   try {
-    return intrinsic_delaunay(
-        surface,
-        {.keep = std::move(keep), .min_angle = min_angle, .max_radius = min_angle > 0 ? largest_radius(surface) : 0.0});
+    return intrinsic_delaunay(surface, options);
   } catch (const MeshError&) {
-    if (kind == Triangulation::intrinsic) throw;
     return std::nullopt;
   }
+}
+
+}  // namespace
+
+std::optional<IntrinsicTriangulation> triangulate(const Surface& surface, Triangulation kind, double min_angle,
+                                                  std::vector<Index> keep) {
+  IntrinsicOptions options{.keep = std::move(keep), .min_angle = min_angle, .most_flips = most_flips};
+  if (min_angle > 0) {
+    options.max_radius = largest_radius(surface);
+    std::optional<IntrinsicTriangulation> refined = attempt(surface, options);
+    if (refined && improves(*refined)) return refined;
+    options.min_angle = options.max_radius = 0;
+  }
+  if (kind == Triangulation::intrinsic) {
+    IntrinsicTriangulation flipped = intrinsic_delaunay(surface, options);
+    flipped.complete = flipped.complete && min_angle == 0;
+    return flipped;
+  }
+  std::optional<IntrinsicTriangulation> flipped = attempt(surface, options);
+  if (!flipped || !improves(*flipped)) return std::nullopt;
+  flipped->complete = min_angle == 0;
+  return flipped;
 }
 
 ConnectionOptions connection_there(const Surface& given, const IntrinsicTriangulation& now, ConnectionOptions options) {
@@ -103,14 +140,17 @@ ConnectionOptions connection_there(const Surface& given, const IntrinsicTriangul
   return options;
 }
 
-FeatureGraph graph_on(const IntrinsicTriangulation& now, const FeatureGraph& given) {
+FeatureGraph graph_on(const IntrinsicTriangulation& now, const std::vector<Index>& kept, const FeatureGraph& given) {
   const Mesh& mesh = now.surface.mesh();
+  const auto chain_of = [&](Index e) -> const std::vector<Index>& {
+    return now.kept[at(std::lower_bound(kept.begin(), kept.end(), e) - kept.begin())];
+  };
   FeatureGraph graph;
   graph.vertices = given.vertices;
   graph.vertices.resize(at(mesh.vertices()), FeatureVertex::smooth);
   std::vector<std::pair<Index, double>> edges;
-  for (std::size_t k = 0; k < now.kept.size(); ++k) {
-    const std::vector<Index>& chain = now.kept[k];
+  for (std::size_t k = 0; k < given.edges.size(); ++k) {
+    const std::vector<Index>& chain = chain_of(given.edges[k]);
     for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
       edges.emplace_back(mesh.edge(chain[i], chain[i + 1]), given.angles[k]);
       if (i > 0) graph.vertices[at(chain[i])] = FeatureVertex::crease;
@@ -126,8 +166,7 @@ FeatureGraph graph_on(const IntrinsicTriangulation& now, const FeatureGraph& giv
     here.closed = line.closed;
     here.vertices.push_back(line.vertices.front());
     for (const Index e : line.edges) {
-      const auto k = std::lower_bound(given.edges.begin(), given.edges.end(), e) - given.edges.begin();
-      std::vector<Index> chain = now.kept[at(k)];
+      std::vector<Index> chain = chain_of(e);
       if (chain.front() != here.vertices.back()) std::reverse(chain.begin(), chain.end());
       for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
         here.edges.push_back(mesh.edge(chain[i], chain[i + 1]));
@@ -255,9 +294,10 @@ void remark_triangulation(const SolvedTriangulation& t, std::size_t singularitie
                                 " degrees",
                      .count = t.flips});
   if (!t.complete)
-    remarks.push_back({.code = "triangulation_incomplete",
-                       .warning = false,
-                       .message = "its refinement ended at its budget; angles below that asked for remain"});
+    remarks.push_back(
+        {.code = "triangulation_incomplete",
+         .warning = false,
+         .message = "it could not be refined to the angle asked for within its budget; smaller ones remain"});
   if (at(t.singularities) != singularities)
     remarks.push_back({.code = "singularities_differ",
                        .warning = false,
@@ -265,6 +305,14 @@ void remark_triangulation(const SolvedTriangulation& t, std::size_t singularitie
                                   counted(t.singularities, "singularity", "singularities") +
                                   "; the triangles of the mesh are too long to tell all of them",
                        .count = t.singularities});
+}
+
+Remark own_triangles() {
+  return {.code = "own_triangles",
+          .warning = false,
+          .message =
+              "the mesh has needles, but an intrinsic triangulation did not help; solved on the mesh's own "
+              "triangles, and the eigenvalue depends on them"};
 }
 
 }  // namespace alcap::detail

@@ -15,7 +15,9 @@ namespace alcap::detail {
 /// Whether a run is solved on one. Throws OptionError where it is asked for by name and cannot be.
 [[nodiscard]] bool wants_intrinsic(const Surface& surface, Triangulation kind, const ConnectionOptions& connection);
 
-/// Nothing where lengths are too far apart for a triangulation that was not asked for by name. `keep`: edges.
+/// Refined to the angle, or, where the budget of vertices does not suffice for that and triangles would be worse,
+/// flipped only (`complete` is false then). Nothing where one that was not asked for by name would not help. `keep`:
+/// edges.
 [[nodiscard]] std::optional<IntrinsicTriangulation> triangulate(const Surface& surface, Triangulation kind,
                                                                 double min_angle, std::vector<Index> keep);
 
@@ -54,10 +56,14 @@ class IntrinsicSolve {
 [[nodiscard]] ConnectionOptions connection_there(const Surface& given, const IntrinsicTriangulation& now,
                                                  ConnectionOptions options);
 
-/// The same features on the triangulation that kept them, in as many edges as it made of them.
-[[nodiscard]] FeatureGraph graph_on(const IntrinsicTriangulation& now, const FeatureGraph& given);
+/// The same features on the triangulation that kept the edges `kept`, ascending, in as many edges as it made of them.
+[[nodiscard]] FeatureGraph graph_on(const IntrinsicTriangulation& now, const std::vector<Index>& kept,
+                                    const FeatureGraph& given);
 
 /// What is worth saying about it: `singularities` were found on the mesh.
 void remark_triangulation(const SolvedTriangulation& t, std::size_t singularities, std::vector<Remark>& remarks);
+
+/// That one was wanted, but the mesh's own triangles had to do.
+[[nodiscard]] Remark own_triangles();
 
 }  // namespace alcap::detail

@@ -72,7 +72,7 @@ TEST_CASE("pipes are read to their end, within bounds of size and patience" * do
   const test::Folder folder;
   const fs::path path = folder.path / "pipe";
   REQUIRE(::mkfifo(path.c_str(), 0600) == 0);
-  CHECK(contains(refusal(path, {.writer_seconds = 0.1}), "nobody writes into this pipe"));
+  CHECK(contains(refusal(path, {.writer_seconds = 0.1}), "no program writes into this pipe"));
 
   const std::string text(500'000, 'y');
   {

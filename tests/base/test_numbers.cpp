@@ -73,6 +73,8 @@ std::vector<Option> design_options(const Small& s) {
       {"guidance_weight", [=](double x) { designer({.guidance_weight = x}); }},
       {"t", [=](double x) { designer({.t = x < 0 ? -x : x}); }},
       {"s", [=](double x) { designer({.guidance_weight = 1, .s = x}); }},
+      {"tolerances.stroke_degrees", [=](double x) { designer({.tolerances = {.stroke_degrees = x}}); }},
+      {"tolerances.fixed_value", [=](double x) { eigen({}, {.tolerances = {.fixed_value = x}}); }},
       {"guidance_weight", [&s](double x) { s.designer().set_guidance_weight(x); }},
       {"weights",
        [&s](double x) {

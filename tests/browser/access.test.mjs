@@ -9,7 +9,7 @@ import { join } from 'node:path';
 import { pathToFileURL } from 'node:url';
 import { after, before, test } from 'node:test';
 
-import { alcap, folder, Hand, launch, open, studio } from './browser.mjs';
+import { alcap, folder, Hand, launch, open, request, studio } from './browser.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 const place = folder(), mesh = join(place, 'ball.ply'), file = join(place, 'ball.html');
@@ -17,17 +17,20 @@ const looks = [
   { colorScheme: 'light', viewport: { width: 1440, height: 900 } }, { colorScheme: 'dark', viewport: { width: 1440, height: 900 } },
   { colorScheme: 'light', viewport: { width: 390, height: 844 } }, { colorScheme: 'dark', viewport: { width: 390, height: 844 } },
 ];
-let browser, server;
+let browser, server, other;
 
 before(async () => {
   alcap('make', 'icosphere:2', '-o', mesh);
   alcap('field', mesh, '--html', file);
   server = await studio(mesh);
+  alcap('make', 'torus:16,8', '-o', join(place, 'ring.ply'));
+  other = await studio(join(place, 'ring.ply'));
   browser = await launch();
 });
 after(async () => {
   await browser?.close();
   await server?.kill();
+  await other?.kill();
 });
 
 /** What axe finds, in one line each. */
@@ -60,8 +63,39 @@ for (const { colorScheme, viewport } of looks) {
     assert.deepEqual(await complaints(page), []);
     await page.evaluate(() => alcap.card.tell(0));
     assert.deepEqual(await complaints(page), []);
-    await page.evaluate(() => alcap.exports.showModal());
-    assert.deepEqual(await complaints(page), []);
+    for (const dialog of ['exports', 'pictures', 'help']) {
+      await page.evaluate((name) => (name === 'help' ? alcap.help.showModal() : alcap[name].choose()), dialog);
+      assert.deepEqual(await complaints(page), [], dialog);
+      await page.evaluate((name) => alcap[name].close(), dialog);
+    }
+    await page.context().close();
+  });
+
+  test(`axe finds nothing in the studio with cones, eigen designs, creases, strokes, directions: ${name}`, async () => {
+    const page = await open(browser, other.url, { viewport });
+    await page.emulateMedia({ colorScheme });
+    const hand = new Hand(page, other), base = { alcap_design: 1, n: 4, guidance: { field: 'smoothest' } };
+    await hand.settled();
+    if (viewport.width < 760) await page.click('.fold');
+    const ring = [{ vertex: 0, index: '1/4' }, { vertex: 9, index: '-1/4' }];
+    for (const [what, design] of Object.entries({
+      cones: { ...base, connection: { kind: 'trivial', cones: ring } },
+      'cones that do not sum up': { ...base, connection: { kind: 'trivial', cones: ring.slice(1) } },
+      metric: { ...base, connection: { kind: 'metric', cones: [{ vertex: 0, index: 0.3 }, { vertex: 9, index: -0.3 }] } },
+      creases: { ...base, features: { angle: 10 } },
+      'strokes and directions': { ...base, strokes: [{ vertices: [0, 9] }], fixed: [{ vertex: 40, direction: [1, 0, 0] }] },
+      eigen: { alcap_design: 1, n: 4, method: 'eigen', singularities: [{ face: 3, kind: 'source' }] },
+    })) {
+      const { status } = await request(other.url, '/api/edit', {}, { method: 'POST', body: JSON.stringify(design) });
+      assert.equal(status, 200, what);
+      await hand.settled();
+      await page.evaluate(() => document.querySelectorAll('details').forEach((d) => { d.open = true; }));
+      for (const name of await page.locator('.controls .name').all()) {
+        await name.click();
+        assert.deepEqual(await complaints(page), [], what);
+      }
+      assert.deepEqual(await complaints(page), [], what);
+    }
     await page.context().close();
   });
 }

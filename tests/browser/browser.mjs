@@ -19,6 +19,16 @@ export function alcap(...options) {
   return execFileSync(process.env.ALCAP, options, { encoding: 'utf8', stdio: ['ignore', 'pipe', 'pipe'] });
 }
 
+/** The report of the command line on a saved design, solved on the triangles of the mesh as the studio does; whether its controls are met is in the report. */
+export function judged(mesh, design, ...more) {
+  try {
+    return JSON.parse(alcap('design', mesh, '--design', design, '--triangulation', 'extrinsic', '--json', ...more));
+  } catch (error) {
+    if (error.status !== 8) throw error;  // 8: a control is not met
+    return JSON.parse(error.stdout);
+  }
+}
+
 export function launch() {
   return chromium.launch({
     executablePath: process.env.CHROMIUM,
@@ -60,6 +70,15 @@ export function darkPixels(page) {
 
 /** For points of space with their normals (6 numbers each) that face the viewer: which of them have a pixel of this colour, bright or shaded, within two pixels on the canvas. */
 export function drawnAt(page, points, color) {
+  return inkedAt(page, points, color);
+}
+
+/** The same for pixels as dark as the curves, where a plain surface is bright. */
+export function darkAt(page, points) {
+  return inkedAt(page, points, null);
+}
+
+function inkedAt(page, points, color) {
   return page.evaluate(({ points, color }) => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => {
     const { canvas, camera } = alcap.stage;
     const copy = document.createElement('canvas');
@@ -69,6 +88,7 @@ export function drawnAt(page, points, color) {
     const { data } = context.getImageData(0, 0, copy.width, copy.height);
     const times = (m, v) => [0, 1, 2, 3].map((r) => v.reduce((sum, x, c) => sum + m[4 * c + r] * x, 0));
     const like = (k) => {
+      if (!color) return data[k] + data[k + 1] + data[k + 2] < 300;
       const [a, b] = [Math.hypot(...data.subarray(k, k + 3)), Math.hypot(...color)];
       return a > 60 && color.reduce((sum, x, c) => sum + x * data[k + c], 0) > 0.985 * a * b;
     };
@@ -120,6 +140,28 @@ export function unpack(bytes) {
     arrays[name] = Array.from({ length }, (_, k) => bytes[read[0]](16 + size + offset + read[1] * k));
   }
   return { meta: header.meta, arrays };
+}
+
+/** The numbers that a PLY file of alcap holds per vertex, by their names. */
+export function vertexColumns(bytes) {
+  const mark = 'end_header\n', start = bytes.indexOf(mark) + mark.length, header = bytes.subarray(0, start).toString('latin1');
+  const number = Number(header.match(/element vertex (\d+)/)[1]);
+  const names = header.match(/element vertex \d+\n((?:property double \w+\n)+)element face/)[1].trim().split('\n').map((l) => l.split(' ')[2]);
+  return Object.fromEntries(names.map((name, c) => [name, Array.from({ length: number }, (_, v) => bytes.readDoubleLE(start + 8 * (names.length * v + c)))]));
+}
+
+/** Every pixel of a square around a place on the canvas, brightness only. */
+export function pixelsAround(page, [x, y], half) {
+  return page.evaluate(async ({ x, y, half }) => {
+    const { stage } = alcap, box = stage.canvas.getBoundingClientRect(), scale = stage.canvas.width / box.width;
+    await stage.drawn();
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [stage.canvas.width, stage.canvas.height];
+    const context = copy.getContext('2d');
+    context.drawImage(stage.canvas, 0, 0);
+    const { data } = context.getImageData(Math.round((x - box.left - half) * scale), Math.round((y - box.top - half) * scale), Math.round(2 * half * scale), Math.round(2 * half * scale));
+    return Array.from({ length: data.length / 4 }, (_, k) => data[4 * k] + data[4 * k + 1] + data[4 * k + 2]);
+  }, { x, y, half });
 }
 
 /** What a person does in a studio's page, and what the server then has. */

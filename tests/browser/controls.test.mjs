@@ -7,7 +7,7 @@ import assert from 'node:assert/strict';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { alcap, drawnAt, folder, Hand, launch, open, request, studio, unpack } from './browser.mjs';
+import { alcap, drawnAt, folder, Hand, judged, launch, open, request, studio, unpack } from './browser.mjs';
 
 let browser, place;
 before(async () => {
@@ -27,15 +27,7 @@ async function on(shape, name, act, design = { alcap_design: 1, n: 4, guidance: 
     const page = await open(browser, server.url);
     const hand = new Hand(page, server);
     await hand.settled();
-    const report = (code = 0) => {
-      try {
-        return JSON.parse(alcap('design', mesh, '--design', server.design, '--json'));
-      } catch (error) {
-        assert.equal(error.status, code);
-        return JSON.parse(error.stdout);
-      }
-    };
-    await act(page, hand, report);
+    await act(page, hand, () => judged(mesh, server.design));
     assert.deepEqual(page.complaints, []);
     await page.context().close();
   } finally {
@@ -108,6 +100,49 @@ test('directions are mirrored, and eigen designs hold them', () => on('icosphere
   assert.ok(report().controls.every((c) => c.met));
   await hand.editing(() => page.keyboard.press('Delete'));
   assert.deepEqual(hand.design().fixed || [], []);
+}));
+
+test('strokes are mirrored: drawn, bent, weighed, erased, removed', () => on('icosphere:3', 'ball5', async (page, hand) => {
+  await page.waitForSelector('[aria-label=Mirror]', { state: 'visible' });
+  await page.click('[aria-label=Mirror] [data-value="0"]');
+  const { arrays: { positions: P, faces: F } } = unpack((await request(hand.server.url, '/api/mesh')).body);
+  const place = ({ face, barycentric }) => [0, 1, 2].map((c) => barycentric.reduce((sum, b, j) => sum + b * P[3 * F[3 * face + j] + c], 0));
+  /** The two strokes are images of each other, point by point, on both sides of x = 0. */
+  const mirrored = () => {
+    const { strokes } = hand.design();
+    assert.equal(strokes.length, 2);
+    const [a, b] = strokes.map((s) => s.points.map(place));
+    assert.equal(a.length, b.length);
+    const off = Math.max(...a.map(([x, y, z], k) => Math.hypot(x + b[k][0], y - b[k][1], z - b[k][2])));
+    assert.ok(off < 0.03, `${off}`);
+    return strokes;
+  };
+  await hand.brush([90, -60], [110, 40]);
+  const drawn = mirrored();
+  const sides = drawn.map((s) => s.points.map((p) => Math.sign(place(p)[0])));
+  assert.ok(sides[0].some((x, k) => x === -sides[1][k]), 'they are apart');
+  await page.click('.controls .name >> nth=0');
+  await hand.editing(() => page.locator('.controls .slider input[aria-label=Weight]').press('End'));
+  assert.deepEqual(mirrored().map((s) => s.weight), [1000, 1000]);
+  await page.locator('.bead >> nth=1').focus();
+  await hand.editing(() => page.keyboard.press('ArrowLeft'));
+  const bent = mirrored();
+  assert.notDeepEqual(bent[0].points, drawn[0].points);
+  assert.notDeepEqual(bent[1].points, drawn[1].points);
+  await page.evaluate(() => alcap.select(-1));  // its beads are no longer above it
+  await page.click('.toolbox [data-value=erase]');
+  const end = await page.evaluate((p) => {
+    const box = alcap.stage.canvas.getBoundingClientRect(), [x, y] = alcap.handles.project(alcap.view.surface.at(p.face, p.barycentric));
+    return [box.left + x, box.top + y];
+  }, bent[0].points.at(-1));
+  await hand.editing(() => hand.drag(end, end));
+  const left = mirrored();
+  assert.ok(left[0].points.length < bent[0].points.length && left[0].points.length > 1, `${left[0].points.length}`);
+  await page.click('.toolbox [data-value=turn]');
+  await page.click('.controls .name >> nth=1');
+  await page.focus('#canvas');
+  await hand.editing(() => page.keyboard.press('Delete'));
+  assert.deepEqual(hand.design().strokes || [], []);
 }));
 
 test('less detail: a connection that ignores small bumps, and a field with fewer singularities', () => on('scan:3,0.3', 'scan', async (page, hand, report) => {

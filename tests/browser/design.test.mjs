@@ -7,7 +7,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { alcap, drawnAt, folder, Hand, launch, open, request, studio, unpack } from './browser.mjs';
+import { alcap, drawnAt, folder, Hand, judged, launch, open, request, studio, unpack } from './browser.mjs';
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -23,16 +23,7 @@ async function on(name, make, act) {
     const page = await open(browser, server.url);
     const hand = new Hand(page, server);
     await hand.settled();
-    /** What the command line makes of the saved design: 8 says that a control is not met. */
-    const report = () => {
-      try {
-        return JSON.parse(alcap('design', mesh, '--design', server.design, '--json'));
-      } catch (error) {
-        assert.equal(error.status, 8, error.stderr);
-        return JSON.parse(error.stdout);
-      }
-    };
-    await act(page, hand, { place, mesh, report });
+    await act(page, hand, { place, mesh, report: () => judged(mesh, server.design) });
     assert.deepEqual(page.complaints, []);
     await page.context().close();
   } finally {
@@ -136,14 +127,14 @@ test('what a design stays close to, how closely, and where: every key is within 
   }
   await page.click('.guidance summary');
   await hand.editing(async () => {
-    await page.fill('[aria-label="t instead"]', '-3');
+    await page.fill('[aria-label="t instead of Hold"]', '-3');
     await page.keyboard.press('Enter');
   });
   assert.deepEqual(hand.design().guidance, { field: 'smoothest', t: -3 });
   assert.equal(await page.isVisible('[aria-label=Hold]'), false);
   assert.equal(report().certified, true);
   await hand.editing(async () => {
-    await page.fill('[aria-label="t instead"]', '');
+    await page.fill('[aria-label="t instead of Hold"]', '');
     await page.keyboard.press('Enter');
   });
   assert.equal(hand.design().guidance.t, undefined);
@@ -185,9 +176,9 @@ test('the details of connections, and one of your own to be near to', () => on('
   // The curvature of a ball, spread evenly over its vertices.
   await page.click('[aria-label=Connection] [data-value=metric]');
   await page.waitForFunction(() => alcap.design.connection.kind === 'metric' && !alcap.store.busy);
-  await load(page, hand, 'A connection to be near to…', place, { target: { vertex_curvature: Array.from({ length: 642 }, () => (4 * Math.PI) / 642) } });
+  await load(page, hand, 'Load a target connection…', place, { target: { vertex_curvature: Array.from({ length: 642 }, () => (4 * Math.PI) / 642) } });
   assert.equal(hand.design().connection.target.vertex_curvature.length, 642);
-  assert.match(await page.textContent('.target'), /Near to 642 curvatures of vertices/);
+  assert.match(await page.textContent('.target'), /Target: 642 vertex curvatures/);
   assert.equal((await hand.state()).meta.problem, '');
   await hand.editing(() => page.click('.target .toggle'));
   assert.equal(hand.design().connection.spread, false);

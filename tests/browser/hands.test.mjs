@@ -61,6 +61,44 @@ test('the keyboard alone places, moves, turns and removes', () => on({ viewport:
   assert.equal(hand.design().singularities[0].kind, 'source');
 }));
 
+test('the keyboard alone reaches singularities that no control asks for: card, hold', () => on({ viewport: { width: 1000, height: 700 } }, async (page, hand) => {
+  const shown = () => page.isVisible('.card');
+  await page.keyboard.press('v');
+  await page.waitForSelector('.cross', { state: 'visible' });
+  const own = (await hand.state()).arrays;
+  /** Where on screen the one is, from the cross, that faces the viewer most. */
+  const way = (k) => page.evaluate((wanted) => {
+    const { singular: S } = alcap.view.arrays, { camera } = alcap.stage, at = alcap.ahead(), box = alcap.stage.canvas.getBoundingClientRect();
+    const facing = (k) => [0, 1, 2].reduce((sum, c) => sum + S[8 * k + 3 + c] * camera.position.toArray()[c], 0);
+    const k = wanted ?? Array.from({ length: S.length / 8 }, (_, j) => j).reduce((best, j) => (facing(j) > facing(best) ? j : best));
+    const [x, y] = alcap.handles.project(S.slice(8 * k, 8 * k + 3));
+    return [box.left + x - at.clientX, box.top + y - at.clientY, k];
+  }, k);
+  let [dx, dy, number] = await way();
+  for (let k = 0; k < 40 && Math.hypot(dx, dy) > 30; ++k) {
+    await page.keyboard.press(Math.abs(dx) > Math.abs(dy) ? (dx > 0 ? 'ArrowRight' : 'ArrowLeft') : dy > 0 ? 'ArrowDown' : 'ArrowUp');
+    await page.evaluate(() => alcap.stage.drawn());
+    [dx, dy] = await way(number);
+  }
+  await page.keyboard.press('Enter');
+  assert.equal(await shown(), true);
+  assert.match(await page.textContent('.card'), /No control asks/);
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), 'Hold it here');
+  await hand.editing(() => page.keyboard.press('Enter'));
+  const [held] = hand.design().singularities;
+  assert.equal(held.face, own.singular_faces[number]);
+  assert.equal((await hand.state()).meta.controls[0].met, true);
+  assert.match(await page.evaluate(() => document.activeElement.getAttribute('aria-label')), /^source in face/);
+  // At the cross it is reached again, as what it is now; Esc leaves.
+  await page.focus('#canvas');
+  await page.keyboard.press('v');
+  await page.keyboard.press('Enter');
+  assert.equal(await page.evaluate(() => alcap.selected), 0);
+  await page.keyboard.press('Escape');
+  await page.waitForSelector('.cross', { state: 'hidden' });
+  assert.equal(await shown(), false);
+}));
+
 test('the keyboard alone draws a stroke, erases a part of it, and drops one that is not wanted', () => on({ viewport: { width: 1000, height: 700 } }, async (page, hand) => {
   const drawn = () => page.evaluate(() => alcap.strokes.drawn?.length ?? 0);
   const pressed = async (name) => {
@@ -133,6 +171,9 @@ test('on a phone the sheet covers at most half, and everything is large enough f
     return found;
   }, within);
   assert.deepEqual(await small('.toolbox button, .tools button, .fold, .ring, .knob'), []);
+  await page.tap('.tools [title^="Save a picture"]');
+  assert.deepEqual(await small('dialog[open] button, dialog[open] input'), []);
+  await page.tap('dialog[open] form .plain');
   await page.tap('.fold');
   const sheet = await page.locator('.panel').boundingBox();
   assert.ok(sheet.height <= 0.5 * 844 + 1, `${sheet.height} of 844`);

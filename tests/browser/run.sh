@@ -2,18 +2,23 @@
 # SPDX-License-Identifier: MIT
 #
 # run.sh ALCAP WORK [arguments of node --test]: the browser tests with the program ALCAP, packages and files in WORK.
-# Exit code 77, and a line that says why, where something they need is missing.
+# run.sh ALCAP WORK --times: no tests; how long the studio lets a hand wait (studio_times.mjs).
+# Exit code 77, and a line that says why, where something they need is missing; with ALCAP_BROWSER=required, 1.
 set -euo pipefail
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 alcap=$1 work=$2
 shift 2
 
 skip() {
+  if [ "${ALCAP_BROWSER:-}" = required ]; then
+    printf '\n*** FAILED: %s. The browser tests are required here and did not run. ***\n\n' "$1"
+    exit 1
+  fi
   printf '\n*** SKIPPED: %s. The browser tests did not run. ***\n\n' "$1"
   exit 77
 }
 command -v npm >/dev/null && command -v node >/dev/null || skip "npm was not found (Debian: apt-get install npm)"
-[ "$(node -p 'parseInt(process.versions.node)')" -ge 20 ] || skip "node is older than 20, which playwright-core needs"
+[ "$(node -p 'parseInt(process.versions.node)')" -ge 18 ] || skip "node is older than 18, which playwright-core needs"
 chromium=$(command -v chromium || command -v chromium-browser || true)
 [ -n "$chromium" ] || skip "Chromium was not found (Debian: apt-get install chromium)"
 mkdir -p "$work"
@@ -32,4 +37,6 @@ fi
 # node looks for packages beside the script.
 cp "$here"/*.mjs "$work"
 cd "$work"
-ALCAP=$alcap CHROMIUM=$chromium exec node --test --test-concurrency=2 "$@" studio.test.mjs design.test.mjs controls.test.mjs hands.test.mjs access.test.mjs story.test.mjs view.test.mjs
+export ALCAP=$alcap CHROMIUM=$chromium
+[ "${1:-}" != --times ] || exec node studio_times.mjs
+exec node --test --test-concurrency=2 "$@" studio.test.mjs design.test.mjs controls.test.mjs hands.test.mjs access.test.mjs story.test.mjs view.test.mjs

@@ -7,7 +7,7 @@ import http from 'node:http';
 import { join } from 'node:path';
 import { after, before, beforeEach, test } from 'node:test';
 
-import { alcap, darkPixels, drawnAt, folder, Hand, launch, open, request, studio, unpack } from './browser.mjs';
+import { alcap, darkPixels, drawnAt, folder, Hand, judged, launch, open, patience, request, studio, unpack } from './browser.mjs';
 
 let browser, page, server, mesh, place;
 
@@ -77,8 +77,7 @@ test('a saddle dropped and turned by 60 degrees on screen is in design.json and 
   assert.ok(apart((arrays.singular[8 * k + 7] * 180) / Math.PI, singularities[0].angle, 360 / (n + 1)) < 1);
   assert.equal(meta.controls[0].met, true);
   // The command line finds the same.
-  const report = JSON.parse(alcap('design', mesh, '--design', server.design, '--json'));
-  assert.equal(report.controls[0].met, true);
+  assert.equal(judged(mesh, server.design).controls[0].met, true);
   // A drag is one step of the history.
   await page.keyboard.press('Control+z');
   await page.waitForFunction((angle) => Math.abs((alcap.design.singularities[0]?.angle || 0) - angle) < 1e-9, before.angle || 0);
@@ -214,6 +213,7 @@ test('a stroke is an object: chosen on the surface, weighed by a slider in one s
   await page.mouse.click(x, y + 20);
   await page.keyboard.press('Delete');
   await page.waitForFunction(() => !alcap.design.strokes?.length);
+  await settled();
 });
 
 test('the eraser splits a stroke where it passes, and takes what is left of it', async () => {
@@ -269,16 +269,29 @@ test('the smoothest fields can be looked at, and the design stays as it is', asy
   assert.equal((await request(server.url, '/api/mode', { mode: 99 }, { method: 'POST', body: '' })).status, 400);
 });
 
-test('eigen designs: what they do not take is left out, and the command line agrees', async () => {
+test('eigen designs: pins and wide strokes stay, guidance can be chosen, and the command line agrees', async () => {
   await drop('source', -60, 0);
   await brush([-40, 50], [60, 60]);
+  const before = design();
   await hand().editing(() => page.click('[data-value=eigen]'));
   const d = design();
   assert.equal(d.method, 'eigen');
-  assert.equal(d.singularities[0].pin, undefined);
+  assert.equal(d.guidance, undefined);
+  assert.deepEqual(d.singularities, before.singularities);
+  assert.deepEqual(d.strokes, before.strokes);
   assert.equal((await state()).meta.problem, '');
-  const report = JSON.parse(alcap('design', mesh, '--design', server.design, '--json'));
-  assert.equal(report.ok, true);
+  await hand().editing(() => page.click('[aria-label=Elsewhere] [data-value=smoothest]'));
+  assert.deepEqual(design().guidance, { field: 'smoothest' });  // a weight of 1 is what files without one have
+  assert.equal((await state()).meta.problem, '');
+  // How well the stroke can be followed depends on where it runs: both say the same of it.
+  const report = judged(mesh, server.design), { controls } = (await state()).meta;
+  assert.equal(report.certified, true);
+  assert.equal(report.guidance.field, 'smoothest');
+  assert.deepEqual(controls.map((c) => [c.path, c.met]), report.controls.map((c) => [c.path, c.met]));
+  assert.equal(controls.length, 2);
+  assert.equal(controls[0].met, true);
+  controls.forEach((c, k) => assert.ok(Math.abs(c.error_degrees - report.controls[k].error_degrees) < 0.01, `${c.error_degrees} and ${report.controls[k].error_degrees}`));
+  await hand().editing(() => page.click('[aria-label=Elsewhere] [data-value=none]'));
   await hand().editing(() => page.click('[data-value=variational]'));
   assert.equal(design().guidance.field, 'smoothest');
 });
@@ -296,19 +309,157 @@ test('what nobody looks at is not computed: curves are asked for when they are s
   page.off('request', note);
 });
 
-test('every format that the page offers can be saved', async () => {
+test('every format of the command line is offered, and each file holds what its label says', async () => {
+  let said = '';
+  try {
+    alcap('field', mesh, '-o', join(place, 'field.unknown'), '-q');
+  } catch (error) {
+    said = error.stderr;
+  }
+  const known = said.match(/\(known: ([^)]*)\)/)[1].split(', ').map((f) => f.slice(1)).sort();
+  assert.ok(known.length >= 11, said);
+  const { arrays } = await state();
+  const singular = arrays.singular_faces.length;
+  const rows = { face: 1280, vertex: 642 };
+  /** Of a file: format, number of rows of the field, and of singularities where it holds these. */
+  const contents = (bytes) => {
+    const text = bytes.toString('latin1'), lines = text.trim().split('\n');
+    if (text.startsWith('ply\n')) return ['ply', Number(text.match(/element vertex (\d+)/)[1])];
+    if (text.startsWith('<?xml')) {
+      const [points, polygons] = ['Points', 'Polys'].map((what) => Number(text.match(new RegExp(`NumberOf${what}="(\\d+)"`))[1]));
+      return polygons ? ['vtp', points] : ['vtp', 0, points];
+    }
+    if (text.startsWith('\x93NUMPY')) {
+      const shape = text.match(/'shape': \((\d+), 14\)/);
+      assert.equal(bytes.length, 10 + bytes.readUInt16LE(8) + 8 * 14 * shape[1]);
+      return ['npy', Number(shape[1])];
+    }
+    if (text.startsWith('0 0\n14 ')) {
+      assert.equal(bytes.length, 4 + lines[1].length + 1 + 8 * 14 * Number(lines[1].split(' ')[1]));
+      return ['dmat', Number(lines[1].split(' ')[1])];
+    }
+    if (/^(face|vertex),x,y,z,/.test(text)) {
+      assert.ok(lines.slice(1).every((l, k) => l.split(',').length === 15 && l.startsWith(`${k},`)));
+      return ['csv', lines.length - 1, undefined, text.split(',')[0]];
+    }
+    if (/^\d+\n4\n/.test(text)) {
+      assert.equal(lines.length - 2, Number(lines[0]));
+      return ['rosy', Number(lines[0])];
+    }
+    const [n, number] = lines[0].split(' ').map(Number);
+    assert.equal(n, 4);
+    assert.equal(lines.length - 1, number);
+    return lines[1].split(' ').length === 12 ? ['rawfield', number] : ['sings', 0, number];
+  };
   await page.click('nav [title="Save the field for another program"]');
-  const links = await page.locator('.exports a').evaluateAll((list) => list.map((a) => a.getAttribute('href')));
-  assert.ok(links.length >= 5);
-  for (const link of links) {
+  const links = await page.locator('.exports a').evaluateAll((list) => list.map((a) => [a.getAttribute('href'), a.textContent]));
+  const offered = new Set();
+  for (const [link, label] of links) {
+    const format = new URL(link, server.url).searchParams.get('format');
+    offered.add(format);
     const answer = await fetch(new URL(link, server.url));
     assert.equal(answer.status, 200, link);
-    assert.ok((await answer.arrayBuffer()).byteLength > 10, link);
+    const [kind, number, marks, per] = contents(Buffer.from(await answer.arrayBuffer()));
+    assert.ok(label.toLowerCase().split(':')[0].endsWith(kind), `${label}: ${kind}`);
+    if (/singular/.test(label)) {
+      assert.deepEqual([number, marks], [0, singular], label);
+    } else {
+      const said = label.match(/per (face|vertex)/)?.[1] || 'vertex';
+      assert.equal(number, rows[said], label);
+      if (per) assert.equal(per, said);
+    }
   }
+  assert.deepEqual([...offered].sort(), known);
+  assert.equal(links.length, known.length + 3);
+  // What a click saves is such a file.
+  const saved = page.waitForEvent('download');
+  await page.click('.exports a >> text=vertex.csv');
+  const download = await saved;
+  assert.equal(download.suggestedFilename(), 'ball.field.vertex.csv');
+  assert.deepEqual(contents(readFileSync(await download.path())), ['csv', 642, undefined, 'vertex']);
+  // One of them holds crosses only.
+  await hand().editing(() => page.click('[aria-label=Symmetry] [data-value="2"]'));
+  await page.click('nav [title="Save the field for another program"]');
+  assert.equal(await page.isVisible('.exports a >> text=rosy'), false);
+  assert.equal(await page.isVisible('.exports a >> text=vertex.dmat'), true);
   await page.click('.exports .plain');
 });
 
-test('a singularity that nobody asked for says so, and can be held where it is', async () => {
+test('whatever grows by an edit is drawn whole: glyphs, marks, arms, curves, separatrices', async () => {
+  await page.click('text=Separatrices');
+  const accent = (await page.evaluate(() => getComputedStyle(document.documentElement).getPropertyValue('--accent'))).trim().match(/[\da-f]{2}/gi).map((x) => parseInt(x, 16));
+  /** Triangles that the renderer draws of one thing alone, in instances: two to a segment. */
+  const drawn = () => page.evaluate(async () => {
+    const { stage, view } = alcap, { renderer, scene } = stage;
+    view.glyphs.show(true);  // they are built when they are seen
+    await stage.drawn();
+    const count = (object) => {
+      const others = new Map();
+      const only = (node) => {
+        if (node === object) return;
+        const own = node.children.some((child) => child === object || child.children.includes(object));
+        if (!own) {
+          others.set(node, node.visible);
+          node.visible = false;
+        }
+      };
+      for (const node of scene.children) {
+        only(node);
+        if (node.children.includes(object)) node.children.forEach(only);
+      }
+      renderer.render(scene, stage.camera);
+      const { triangles } = renderer.info.render;
+      for (const [node, visible] of others) node.visible = visible;
+      return triangles;
+    };
+    const glyphs = view.glyphs.sets[view.meta.n === 1].object;
+    glyphs.visible = true;
+    const numbers = {
+      glyphs: count(glyphs) / 2, curves: count(view.curves.object) / 2, separatrices: count(view.separatrices.object) / 2,
+      arms: view.marks.arms.reduce((sum, a) => sum + count(a.object) / 2, 0),
+      marks: view.marks.kinds.reduce((sum, { shape, meshes: [mesh] }) => sum + count(mesh) / ((shape.index?.count ?? shape.attributes.position.count) / 3), 0),
+    };
+    view.apply();
+    return numbers;
+  });
+  const segments = (offsets) => offsets.slice(1).reduce((sum, end, k) => sum + Math.max(end - offsets[k] - 1, 0), 0);
+  const details = async (part, result) => unpack((await request(server.url, '/api/details', { result, part })).body).arrays;
+  let before = null;
+  for (const [n, singularities] of [[1, []], [2, []], [4, [{ face: 10, kind: 'saddle' }]], [6, [{ face: 10, kind: 'saddle' }, { face: 700, kind: 'saddle', count: 2 }]]]) {
+    await request(server.url, '/api/edit', {}, { method: 'POST', body: JSON.stringify({ alcap_design: 1, n, guidance: { field: 'smoothest' }, singularities }) });
+    await settled();
+    const { meta, arrays } = await state();
+    const curves = await details('curves', meta.result), lines = await details('separatrices', meta.result);
+    const now = await drawn();
+    assert.equal(now.curves, segments(curves.curve_offsets));
+    assert.equal(now.separatrices, segments(lines.separatrix_offsets));
+    assert.equal(now.arms, arrays.arms.length / 4);
+    assert.equal(now.marks, arrays.singular_faces.length);
+    const spread = await page.evaluate(() => alcap.view.glyphs.vertices.length);
+    assert.ok(now.glyphs > 0.9 * spread * (n === 1 ? 1 : n / 2), `${now.glyphs} of ${spread}`);
+    if (before) for (const what of Object.keys(now)) assert.ok(what === 'glyphs' && n === 2 ? true : now[what] > before[what], `${what}, n = ${n}: ${before[what]} to ${now[what]}`);
+    before = now;
+    // The last ones of each list are on the canvas.
+    const arms = arrays.arms.length ? Array.from({ length: arrays.arms.length / 4 }, (_, k) => arrays.arms.slice(4 * k, 4 * k + 4)) : [];
+    const length = await page.evaluate(() => 0.022 * alcap.view.meta.diagonal);
+    for (const [sign, color] of [[1, [213, 94, 0]], [-1, [0, 114, 178]]]) {
+      const points = arms.filter(([s]) => sign * arrays.singular[8 * s + 6] > 0).map(([s, ...d]) => {
+        const at = arrays.singular.slice(8 * s, 8 * s + 6);
+        return [...at.slice(0, 3).map((x, c) => x + 0.75 * length * d[c]), ...at.slice(3)];
+      });
+      const seen = await drawnAt(page, points, color);
+      assert.ok(seen.every(Boolean), `arms of sign ${sign}, n = ${n}: ${seen}`);
+    }
+    const ends = lines.separatrix_offsets.slice(1).map((end, k) => (end + lines.separatrix_offsets[k]) >> 1).map((i) => lines.separatrices.slice(3 * i, 3 * i + 3)).map((p) => [...p, ...p]);
+    const seen = await drawnAt(page, ends, accent);
+    assert.ok((n < 4 || seen.length) && seen.filter(Boolean).length >= 0.8 * seen.length, `separatrices, n = ${n}: ${seen}`);
+  }
+  await page.click('text=Separatrices');
+  await page.evaluate(() => alcap.view.apply());
+  assert.deepEqual(page.complaints, []);
+});
+
+test('a singularity that no control asks for says so, and can be held where it is', async () => {
   const { arrays } = await state();
   const { singular, singular_faces: faces } = arrays;
   const shown = await page.evaluate((singular) => {
@@ -323,7 +474,7 @@ test('a singularity that nobody asked for says so, and can be held where it is',
   }, singular);
   assert.ok(shown);
   await page.mouse.click(shown.x, shown.y);
-  assert.match(await page.textContent('.card'), /Nobody asked for it.*sum to 2/s);
+  assert.match(await page.textContent('.card'), /No control asks for it.*sum to 2/s);
   const { meta } = await state();
   await page.click('.card .primary');
   await page.waitForFunction((revision) => Number(document.documentElement.dataset.revision) > revision, meta.revision);
@@ -338,6 +489,67 @@ test('a singularity that nobody asked for says so, and can be held where it is',
   const [earlier, later] = [places(singular), places(after.arrays.singular)];
   assert.equal(later.length, earlier.length);
   for (const p of earlier) assert.ok(Math.min(...later.map((q) => Math.hypot(...p.map((v, c) => v - q[c])))) < 0.15);
+});
+
+test('a singularity of a larger index can be held, as zeros side by side', async () => {
+  // On 80 faces the indices of a 40-fold field sum to 80/40: some faces hold two.
+  const coarse = join(place, 'coarse.ply');
+  alcap('make', 'icosphere:1', '-o', coarse, '-q');
+  const other = await studio(coarse, '-n', '40'), tab = await open(browser, other.url), own = new Hand(tab, other);
+  try {
+    await own.settled();
+    const { arrays: { singular } } = await own.state();
+    const k = Array.from({ length: singular.length / 8 }, (_, j) => j).find((j) => Math.abs(singular[8 * j + 6]) > 1 && Math.abs(singular[8 * j + 6]) <= 8);
+    assert.ok(k >= 0, 'no face holds more than one');
+    const index = singular[8 * k + 6], { arrays: { singular_faces: faces } } = await own.state();
+    await tab.evaluate((k) => alcap.card.tell(k), k);
+    await own.editing(() => tab.click('.card .primary'));
+    const [held] = own.design().singularities;
+    assert.deepEqual([held.face, held.kind, held.count], [faces[k], index > 0 ? 'source' : 'saddle', Math.abs(index)]);
+    assert.equal(await tab.inputValue('.controls .slider input[aria-label=Zeros]'), String(Math.abs(index)));
+  } finally {
+    await tab.context().close();
+    await other.kill();
+  }
+});
+
+test('a pair that is cancelled leaves a stroke that the field follows; one that stays leaves nothing', async () => {
+  const stone = join(place, 'stone.ply');
+  alcap('make', 'scan:4,0.25', '-o', stone, '-q');
+  const other = await studio(stone), tab = await open(browser, other.url), own = new Hand(tab, other);
+  try {
+    await own.settled();
+    await tab.click('[aria-label="Field as"] [data-value=none]');
+    const pairs = await tab.evaluate(() => Array.from(alcap.view.arrays.singular_faces, (_, k) => [k, alcap.card.partner(k)]).filter(([k, partner]) => partner > k));
+    const places = (arrays) => Array.from({ length: arrays.singular.length / 8 }, (_, k) => arrays.singular.slice(8 * k, 8 * k + 3));
+    const first = await own.state(), before = places(first.arrays);
+    let cancelled = 0;
+    for (const pair of pairs) {
+      await tab.evaluate(([k, partner]) => alcap.card.cancel(k, partner), pair);
+      await own.settled();
+      const { meta, arrays } = await own.state(), left = places(arrays);
+      if (await tab.isVisible('.card')) {
+        assert.match(await tab.textContent('.card'), /The field keeps this pair/);
+        assert.deepEqual(meta.design, first.meta.design);
+        assert.deepEqual(left, before);
+        await tab.click('.card .close');
+        continue;
+      }
+      ++cancelled;
+      const [a, b] = pair.map((k) => before[k]), far = (p, q) => Math.hypot(...p.map((x, c) => x - q[c]));
+      assert.ok(left.length <= before.length - 2);
+      for (const p of [a, b]) assert.ok(Math.min(...left.map((q) => far(p, q))) > 0.3 * far(a, b));
+      assert.equal(own.design().strokes.length, 1);
+      assert.equal(meta.controls[0].met, true, `off by ${meta.controls[0].error_degrees}`);
+      assert.equal(judged(stone, other.design).met, true);
+      await own.editing(() => tab.keyboard.press('Control+z'));  // one step
+      assert.deepEqual(own.design(), first.meta.design);
+    }
+    assert.ok(pairs.length > 2 && cancelled > 1, `${cancelled} of ${pairs.length}`);
+  } finally {
+    await tab.context().close();
+    await other.kill();
+  }
 });
 
 test('undo brings the field of before back, bit for bit; redo the other', async () => {
@@ -380,6 +592,48 @@ test('designs that make no sense or name files are refused, and change nothing',
   assert.equal(await post('{"alcap_design": 1, "n": 4, "guidance": {"file": "/etc/hostname"}}'), 400);
   assert.equal(await post(`{"alcap_design": 1, "n": 4, "comment": "${'x'.repeat(9 << 20)}"}`).catch(() => 413), 413);
   assert.equal(readFileSync(server.design, 'utf8'), before);
+});
+
+test('what is edited after a refusal starts from the design that was taken', async () => {
+  // The page learns the design again, slowly.
+  await page.route('**/api/state*', async (route) => {
+    await new Promise((go) => setTimeout(go, 1500));
+    await route.continue();
+  });
+  try {
+    await page.evaluate(() => { alcap.change((d) => { d.guidance.weights = [1, 2]; }); });
+    await page.waitForFunction(() => /weights/.test(document.querySelector('.chip').textContent));
+    await page.evaluate(() => { alcap.change((d) => { d.comment = 'after'; }); });
+    await page.waitForFunction(() => !alcap.store.busy);
+  } finally {
+    await page.unroute('**/api/state*');
+  }
+  await settled();
+  assert.equal(design().comment, 'after');
+  assert.equal(design().guidance.weights, undefined);
+  assert.equal(page.complaints.splice(0).length, 1);  // of the request that was refused
+});
+
+test('a page that has not seen an edit does not take it back', async () => {
+  const tab = await (await browser.newContext({ viewport: { width: 700, height: 500 } })).newPage();
+  await tab.route('**/api/wait*', () => {});  // it is told nothing
+  await tab.goto(server.url);
+  await tab.waitForSelector('html[data-ready]', { timeout: patience });
+  for (const comment of ['first', 'second']) {
+    assert.equal((await request(server.url, '/api/edit', {}, { method: 'POST', body: JSON.stringify({ ...JSON.parse(empty), comment }) })).status, 200);
+  }
+  const { meta } = await state();
+  await tab.evaluate(() => alcap.store.step('undo'));
+  await tab.waitForFunction(() => /Another tab/.test(document.querySelector('.chip').textContent), null, { timeout: patience });
+  assert.equal(design().comment, 'second');
+  assert.equal((await state()).meta.revision, meta.revision);
+  await tab.waitForFunction(() => alcap.design.comment === 'second' && !alcap.store.busy, null, { timeout: patience });
+  // Now it has.
+  await tab.evaluate(() => alcap.store.step('undo'));
+  await tab.waitForFunction(() => alcap.design.comment === 'first', null, { timeout: patience });
+  assert.equal(design().comment, 'first');
+  await tab.context().close();
+  await settled();
 });
 
 test('cones: a running sum says what is missing, and the field comes when it is right', async () => {

@@ -65,6 +65,34 @@ test('a picture can be larger than the screen, and the screen stays as it is', a
   assert.deepEqual(await page.evaluate(() => [alcap.stage.canvas.width, alcap.stage.canvas.height]), [1000, 700]);
 });
 
+test('a picture can be as wide as one says, up to what the machine draws', async () => {
+  await page.click('nav [title^="Save a picture"]');
+  const [widest, largest] = await page.evaluate(() => {
+    const gl = alcap.stage.renderer.getContext();
+    return [alcap.stage.widest, gl.getParameter(gl.MAX_TEXTURE_SIZE)];
+  });
+  assert.ok(widest >= 4096 && widest <= largest, `${widest} of ${largest}`);
+  const width = page.locator('dialog[open] input'), save = page.locator('dialog[open] .own button');
+  for (const wrong of [widest + 1, 3, 100.5]) {
+    await width.fill(String(wrong));
+    assert.equal(await save.isDisabled(), true, `${wrong}`);
+    assert.match(await page.textContent('dialog[open] .quiet'), new RegExp(`to ${widest} pixels`));
+  }
+  await width.fill('1234');
+  assert.equal(await page.textContent('dialog[open] .quiet'), '1234 × 863 pixels');
+  const saved = page.waitForEvent('download');
+  await save.click();
+  const png = readFileSync(await (await saved).path());
+  assert.deepEqual([png.readUInt32BE(16), png.readUInt32BE(20)], [1234, 863]);
+  assert.deepEqual(await page.evaluate(() => [alcap.stage.canvas.width, alcap.stage.canvas.height]), [1000, 700]);
+  // Sizes that the machine does not draw are not offered.
+  await page.evaluate(() => Object.defineProperty(alcap.stage, 'widest', { value: 2100, configurable: true }));
+  await page.click('nav [title^="Save a picture"]');
+  assert.deepEqual(await page.locator('.exports .item').allTextContents(), ['1000 × 700 pixels', '2000 × 1400 pixels']);
+  await page.click('dialog[open] form .plain');
+  await page.evaluate(() => delete alcap.stage.widest);
+});
+
 test('alcap view makes the same page from the files', async () => {
   alcap('view', join(place, 'out'), '-o', join(place, 'again.html'));
   const again = await open(browser, pathToFileURL(join(place, 'again.html')).href, { offline: true, viewport: { width: 390, height: 844 } });

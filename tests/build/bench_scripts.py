@@ -53,9 +53,18 @@ check("what is gone is named", "assembly" in compare(old, report(*old["results"]
 
 with tempfile.TemporaryDirectory() as folder:
     file = pathlib.Path(folder) / "bench.json"
-    file.write_text(json.dumps(report(result("eigen", 50000, 0.025, residual=1e-7, **eigen))))
+    file.write_text(json.dumps(report(result("eigen", 50000, 0.025, residual=1e-7, **eigen),
+                                      result("design_turn_pinned", 50000, 0.002))))
     subprocess.run([sys.executable, "-B", scripts / "bench_report.py", file, folder], check=True)
     rows = [line for line in (pathlib.Path(folder) / "targets.md").read_text().splitlines() if line.startswith("| 50,000 ")]
     # Asked for: 0.05 s.
     check("the table has target / measured", any("0.025" in row and "2.00" in row for row in rows))
+    check("and that of edits", any("turn a pinned target" in row and "0.50" in row for row in rows))
     check("results go into the table of values", "jittered" in (pathlib.Path(folder) / "results.csv").read_text())
+
+sys.path.insert(0, str(scripts))
+import bench_plot  # noqa: E402
+
+drawn = bench_plot.log_plot("Time", "triangles", "s", {"two": [(10, 1), (100, 10)], "lonely": [(10, 2)]}, slopes=True)
+check("a plot by size leaves out what has one size, and says so", "lonely" not in drawn and "1 more at one size only" in drawn)
+check("if there is nothing else, it is drawn", "lonely" in bench_plot.log_plot("Time", "x", "s", {"lonely": [(10, 2)]}, slopes=True))

@@ -52,6 +52,10 @@ find_program(ALCAP_PYTHON python3)
 mark_as_advanced(ALCAP_PYTHON)
 if(ALCAP_PYTHON)
   add_test(NAME bench_scripts COMMAND ${ALCAP_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/bench_scripts.py)
+  # Types of one name in one namespace, which no compiler sees together.
+  add_test(NAME one_definition COMMAND ${ALCAP_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/one_definition.py include kernels solvers
+    src apps WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+  add_test(NAME one_definition_selftest COMMAND ${ALCAP_PYTHON} -B ${CMAKE_CURRENT_LIST_DIR}/one_definition.py --selftest)
 endif()
 
 # Users of the library: one finds it installed, one embeds its sources. Both inherit how this build was made.

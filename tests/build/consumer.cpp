@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 //
 // A user of the library, installed or embedded: the smoothest cross field on a small mesh of their own, then again with
-// a linear solver of their own.
+// a linear solver and with an eigensolver of their own.
 #include <alcap/alcap.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <iostream>
 #include <memory>
@@ -31,6 +32,14 @@ struct Mine final : alcap::LinearSolver<C> {
   Eigen::SimplicialLDLT<alcap::SparseMatrix<C>> ldlt;
 };
 
+// All eigenpairs of a small matrix, of which the first one is given back.
+alcap::EigenResult all_pairs(const alcap::EigenProblem& problem, const alcap::EigenOptions&) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Dense> eigen(Dense(problem.S), Dense(problem.M));
+  alcap::EigenResult result;
+  result.u = eigen.eigenvectors().col(0);
+  return result;
+}
+
 }  // namespace
 
 int main() {
@@ -46,6 +55,13 @@ int main() {
   const auto mine = alcap::register_linear_solver("mine", [](const auto&) { return std::make_unique<Mine>(); });
   const alcap::FieldRun own = alcap::run_field(V, F, {.n = 4, .eigen = {.solver = "mine", .method = "lanczos"}});
   std::cout << own.eigen.at(0).solver << ": lambda " << own.eigen.at(0).lambda << "\n";
-  const bool same = std::abs(own.eigen.at(0).lambda - run.eigen.at(0).lambda) < 1e-7 * run.eigen.at(0).lambda;
-  return same && own.certificate.holds() && own.eigen.at(0).solver.find("mine") != std::string::npos ? 0 : 1;
+  const auto all = alcap::register_eigen_solver("all-pairs", all_pairs);
+  const alcap::FieldRun dense = alcap::run_field(V, F, {.n = 4, .eigen = {.method = "all-pairs"}});
+  std::cout << dense.eigen.at(0).solver << ": lambda " << dense.eigen.at(0).lambda << "\n";
+  const auto agrees = [&](const alcap::FieldRun& other, const char* name) {
+    const alcap::EigenReport& report = other.eigen.at(0);
+    return std::abs(report.lambda - run.eigen.at(0).lambda) < 1e-7 * run.eigen.at(0).lambda &&
+           other.certificate.holds() && report.solver.find(name) != std::string::npos;
+  };
+  return agrees(own, "mine") && agrees(dense, "all-pairs") ? 0 : 1;
 }

@@ -56,6 +56,8 @@ static void test_surface(void) {
   CHECK(alcap_surface_create(NULL, 3, broken, 1, &surface, NULL) == ALCAP_BAD_OPTION);
   CHECK(alcap_surface_create(V, -1, broken, 1, &surface, NULL) == ALCAP_BAD_OPTION);
   CHECK(alcap_surface_create(V, VERTICES, F, INT64_MAX, &surface, NULL) == ALCAP_BAD_OPTION);
+  CHECK(alcap_surface_create(V, VERTICES, F, INT32_MAX, &surface, &error) == ALCAP_BAD_OPTION);
+  CHECK(strcmp(error.field, "F") == 0 && strstr(error.message, "2147483647 rows") != NULL);
   CHECK(alcap_surface_create(V, 0, F, 0, &surface, NULL) == ALCAP_BAD_MESH);
   CHECK(alcap_surface_create(V, VERTICES, F, FACES, NULL, &error) == ALCAP_BAD_OPTION);
   CHECK(strcmp(error.field, "surface") == 0);
@@ -219,6 +221,9 @@ static void test_designer(void) {
   stroke.vertices = path;
   stroke.vertex_count = 2;
   CHECK(alcap_designer_add(designer, &stroke, &other, &error) == ALCAP_OK);
+  stroke.vertex_count = 1;
+  CHECK(alcap_designer_add(designer, &stroke, &id, &error) == ALCAP_BAD_OPTION);
+  CHECK(strcmp(error.field, "vertex_count") == 0 && strstr(error.message, "at least 2") != NULL);
   CHECK(alcap_designer_remove(designer, id, &error) == ALCAP_OK);
   CHECK(alcap_designer_solve(designer, u, &error) == ALCAP_OK && alcap_designer_report_count(designer) == 2);
   CHECK(fabs(u[10] - 0.25) < 1e-8 && fabs(u[11] + 0.5) < 1e-8);

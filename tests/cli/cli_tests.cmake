@@ -10,6 +10,7 @@ target_sources(test_cli PRIVATE ../apps/alcap/tables/tables.cpp ../apps/alcap/ta
   ../apps/alcap/tables/tables_print.cpp ../apps/alcap/tables/tables_published.cpp ../apps/alcap/tables/tables_shapes.cpp)
 target_compile_definitions(test_cli PRIVATE ALCAP_CLI="$<TARGET_FILE:alcap_cli>")
 add_dependencies(test_cli alcap_cli)
+target_sources(test_cli PRIVATE ../apps/alcap/studio/design_lock.cpp ../apps/alcap/studio/passing_file.cpp)
 # Calls of the system that go wrong while the tool runs.
 if(CMAKE_SYSTEM_NAME STREQUAL "Linux" AND NOT ALCAP_PORTABLE AND NOT CMAKE_CXX_FLAGS MATCHES "fsanitize")
   add_library(alcap_fault_preload MODULE faults/fault_preload.cpp)

@@ -14,6 +14,7 @@ try:
     from vtkmodules.vtkIOImage import vtkPNGReader
     from vtkmodules.vtkIOPLY import vtkPLYReader
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
+    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
 
     readers["VTK"] = "python3-vtk9"
 except ImportError:
@@ -98,7 +99,15 @@ def check_field(folder):
         for k in range(n):
             d = data.GetPointData().GetArray(f"d_{k}")
             assert all(near(d.GetTuple(i), raw[i][3 * k : 3 * k + 3]) for i in range(count)), f"field.vtp d_{k}"
-        checked.append("field.vtp with VTK")
+        singular = read(vtkXMLPolyDataReader(), f"{folder}/out/field_singularities.vtp")
+        for shown, group in ((data, data.GetCellData()), (singular, singular.GetPointData())):
+            mapper = vtkPolyDataMapper()
+            mapper.SetInputData(shown)
+            colours, index = mapper.MapScalars(1.0), group.GetArray("index")
+            drawn = {(index.GetTuple1(i), colours.GetTuple(i)[:3]) for i in range(index.GetNumberOfTuples())}
+            assert drawn <= {(-1, (0, 114, 178)), (0, (235, 229, 216)), (1, (213, 94, 0))}, drawn
+            assert any(k > 0 for k, _ in drawn)
+        checked.append("field.vtp and its singularities, in their colours, with VTK")
         ply = read(vtkPLYReader(), f"{folder}/out/field.ply")
         assert ply.GetNumberOfPoints() == count and ply.GetNumberOfPolys() == len(faces)
         checked.append("field.ply (mesh) with VTK")

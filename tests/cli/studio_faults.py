@@ -91,6 +91,20 @@ for worker in workers:
 check(sorted(results) == [200] + [409] * 39, f"one of 40 edits is taken: {sorted(results)}")
 check(studio.revision() == base + 1, "the revision moves once")
 
+# Whoever has not seen the last change takes nothing back, shows nothing and keeps nothing.
+with open(studio.design) as file:
+    text = file.read()
+for path, more in (("/api/undo", {}), ("/api/redo", {}), ("/api/mode", {"mode": 2}), ("/api/keep", {})):
+    check(studio.ask(path, b"", base=base, **more)[0] == 409, f"{path} on a stale page is refused")
+with open(studio.design) as file:
+    check(studio.revision() == base + 1 and file.read() == text, "and nothing changes")
+check(not [name for name in os.listdir(folder) if "guidance" in name], "nor is a field saved")
+check(studio.ask("/api/undo", b"", base=base + 1)[0] == 200 and studio.revision() == base + 2, "one that has can undo")
+check(studio.ask("/api/redo", b"", base=base + 1)[0] == 409, "once")
+check(studio.ask("/api/redo", b"", base=base + 2)[0] == 200 and studio.revision() == base + 3, "and redo")
+with open(studio.design) as file:
+    check(file.read() == text, "which leads back")
+
 # Slow connections without a token keep nobody out.
 slow = []
 for _ in range(200):
@@ -156,6 +170,14 @@ other = Studio("--design", "other.json")
 check(other.started, "and may take another design")
 other.end()
 
+
+
+def locks():
+    return [name for name in os.listdir(folder) if name.endswith(".lock")]
+
+
+check(locks() == [".ball.design.json.lock"], f"the one that ended has taken its lock along: {locks()}")
+
 # A design that cannot be saved changes nothing.
 before = studio.revision()
 saved = open(studio.design).read()
@@ -200,6 +222,16 @@ for how in (signal.SIGINT, signal.SIGTERM):
     studio.end(how)
     check(studio.process.returncode == -how, f"the studio ends by the signal: {studio.process.returncode}")
     check(not pages(), "and takes the page along")
+    check(not locks(), f"and the lock of the design: {locks()}")
+for how in (signal.SIGHUP, signal.SIGQUIT, signal.SIGKILL):
+    studio = Studio()
+    check(len(locks()) == 1, "the design is locked, without a page as well")
+    studio.end(how)
+    check(len(locks()) == (how == signal.SIGKILL), f"after signal {how}: {locks()}")
+studio = Studio()
+check(studio.started, "what a killed studio has left keeps nobody out")
+studio.end()
+check(not locks(), "and goes with the next one")
 
 # A large surface is shown before its field is looked for, which waits until a page has it and asks.
 subprocess.run([alcap, "make", "icosphere:7", "-o", "large.ply", "-q"], cwd=folder, check=True)

@@ -261,6 +261,64 @@ TEST_CASE("what alcap info proposes works, word for word") {
   }
 }
 
+TEST_CASE("what info proposes is a command for a shell, whatever the name of the mesh") {
+  MeshData twice = icosphere(1);
+  twice.F.conservativeResize(twice.F.rows() + 1, 3);
+  twice.F.bottomRows(1) = twice.F.topRows(1);
+  for (const std::string& name : std::vector<std::string>{"plain.obj",
+                                                          "two words.obj",
+                                                          "it's.obj",
+                                                          "'quoted'.obj",
+                                                          "-n.obj",
+                                                          "--json",
+                                                          "$HOME.obj",
+                                                          "`id`.obj",
+                                                          "a\\b.obj",
+                                                          "a\nb.obj",
+                                                          "tab\tand\x1B[31m.obj",
+                                                          "it's\na \\ trap.obj",
+                                                          "\xC3\xA4.obj",
+                                                          "\xFFraw.obj",
+                                                          "\xC2\x85next.obj",
+                                                          "*?[a].obj",
+                                                          "a;b&c|d.obj",
+                                                          "!x.obj",
+                                                          "#x.obj",
+                                                          "~.obj",
+                                                          "caf\xE9's.obj"}) {
+    CAPTURE(name);
+    const CliFolder folder;
+    write_mesh(folder.work() / "part.obj", twice.V, twice.F);
+    std::filesystem::rename(folder.work() / "part.obj", folder.work() / name);
+    // The name reaches the tool by a variable, quoted by nobody; the proposal is run as it is printed.
+    folder.write("../name", name);
+    folder.write("../run",
+                 "name=$(cat ../name; echo x); name=${name%x}\n"
+                 "case $name in -*) name=./$name;; esac\n"
+                 "$ALCAP info \"$name\" --input-format obj --json > ../info.json 2> ../said\n"
+                 "[ $? = 4 ] || exit 10\n"
+                 "$ALCAP info \"$name\" --input-format obj > ../info.txt 2> ../said\n"
+                 "alcap() { $ALCAP \"$@\"; }\n"
+                 "command=$(sed -n 's/^field *cannot be computed; it can by: //p' ../info.txt)\n"
+                 "[ -n \"$command\" ] || exit 11\n"
+                 "eval \"$command --json\" > ../field.json || exit 12\n");
+    CHECK(folder.shell("bash ../run") == 0);
+    const Json info = Json::parse(CliFolder::read(folder.work() / "../info.json"));
+    const std::string command = info["command_that_works"];
+    CHECK(command.find('\n') == std::string::npos);
+    CHECK(CliFolder::read(folder.work() / "../info.txt").find(command) != std::string::npos);
+    CHECK(Json::parse(CliFolder::read(folder.work() / "../field.json"))["ok"] == true);
+  }
+  // Where nothing is unusual, for any shell at all.
+  const CliFolder folder;
+  folder.write("it's.obj", twice);
+  const std::string command = folder.run("info \"it's.obj\" --json").json()["command_that_works"];
+  CHECK(command == "alcap field 'it'\\''s.obj' --repair duplicates");
+  CHECK(folder.shell("sh -c 'alcap() { $ALCAP \"$@\"; }; "
+                     "eval \"$1\"' sh \"$(cat <<'END'\n" +
+                     command + " --quiet\nEND\n)\"") == 0);
+}
+
 TEST_CASE("bow-ties are split with a note and a map; the field comes out on the split surface") {
   const CliFolder folder;
   folder.write("bow.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\nf 1 2 3\nf 1 4 5\n");

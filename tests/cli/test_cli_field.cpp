@@ -275,6 +275,12 @@ TEST_CASE("what does not converge is written, marked, and exits with 5") {
   CHECK(report["certificate"]["index_sums_match"] == true);
   REQUIRE(!report["warnings"].empty());
   CHECK(report["warnings"].back()["code"] == "eigen_not_converged");
+  // Advice, in flags.
+  const std::string said = report["warnings"].back()["message"];
+  CAPTURE(said);
+  for (const char* flag : {"--solver", "--method", "--tolerance", "--max-iterations"})
+    CHECK(said.find(flag) != std::string::npos);
+  CHECK(said.find("Options::") == std::string::npos);
   CHECK(result.error_says("certificate"));
   CHECK(folder.read_json("out/report.json")["ok"] == false);
 }

@@ -242,6 +242,7 @@ TEST_CASE("memory that runs out anywhere in the tool: exit code 7, or a result a
         CAPTURE(said);
         CHECK((run.exit == 7 || run.exit == 6 || run.exit == 3 || run.exit == 0));
         CHECK(whole(contents(folder), e));
+        CHECK(said.find("Options::") == std::string::npos);  // advice is given in flags
         // Where nothing can be thrown any more a hidden folder stays, which the next run names.
         CHECK((hidden(folder) == 0 || said.starts_with("alcap: out of memory")));
       }

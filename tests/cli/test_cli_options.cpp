@@ -84,6 +84,98 @@ TEST_CASE("weights, strengths and angles of designs") {
   CHECK(folder.run("design a.obj --source 5 --strength 1e12 -q").exit == 0);
 }
 
+TEST_CASE("what does not go together is refused by the names of both, and nothing is written") {
+  const CliFolder folder;
+  folder.write("a.obj", icosphere(1));
+  folder.write("list", std::string("a.obj\n"));
+  folder.write("twice", std::string("a.obj\nsub/a.obj\n"));
+  REQUIRE(folder.shell("mkdir sub; cp a.obj sub; $ALCAP field a.obj -n 2 -q -o f.ply") == 0);
+  const auto before = folder.files();
+  struct Wrong {
+    const char *arguments, *says;
+  };
+  for (const Wrong& w : std::vector<Wrong>{
+           {"field", "mesh is required"},
+           {"field a.obj --batch list", "MESH and --batch exclude each other"},
+           {"field a.obj --jobs 2", "--lines and --jobs need --batch"},
+           {"field a.obj --lines x", "--lines and --jobs need --batch"},
+           {"field --batch list --lengths x", "--lengths is for one mesh, and --batch has many"},
+           {"field --batch list --for directional", "--for is for one mesh"},
+           {"field --batch list --sizing x.csv", "--sizing is for one mesh"},
+           {"field --batch list --features x", "--features is for one mesh"},
+           {"field --batch list --modes 2", "--modes is for one mesh"},
+           {"field --batch list --html x.html", "--html is for one mesh"},
+           {"field --batch list --png x.png", "--png is for one mesh"},
+           {"field --batch list --curves x.obj", "--curves is for one mesh"},
+           {"field --batch twice -o out", "would have the same name; rename one mesh"},
+           {"field --batch list --report a.obj", "--report a.obj would replace a mesh of the list"},
+           {"field --batch list --lines ./sub/../a.obj", "would replace a mesh of the list"},
+           {"field a.obj --for quadwild -n 2 -o out", "--for quadwild takes crosses: leave out -n, or say -n 4"},
+           {"field a.obj --for directional", "--for writes several files, so it needs -o FOLDER"},
+           {"field a.obj --for directional --formats ply -o out", "--for and --formats exclude each other"},
+           {"field a.obj --for gimp -o out", "--for: gimp not in {quadwild,directional}"},
+           {"field a.obj --formats exe -o out", "--formats exe: unknown; known are "},
+           {"field a.obj --formats ply -o x.ply", "--formats needs -o FOLDER"},
+           {"field a.obj -o x.exe", "-o x.exe: unknown extension .exe (known: "},
+           {"field a.obj --sizing x.doc", "--sizing x.doc: use one of ."},
+           {"field a.obj --repair glue", "--repair: glue not in {"},
+           {"field a.obj --repair weld:2", "--repair: weld:2: the tolerance is a number above 0 and at most 0.1"},
+           {"field a.obj --lengths list --repair mollify", "give one or the other"},
+           {"field a.obj --cone 5", "--cone: 5 should be VERTEX:INDEX"},
+           {"field a.obj --cone 5:1/0", "--cone: 5:1/0 has no finite index"},
+           {"field a.obj --connection metric --loop-index 1/0", "--loop-index: 1/0 is not finite"},
+           {"field a.obj --align-features=200", "200 is not an angle in degrees"},
+           {"export-matrices a.obj -o x.npz", "-o x.npz: the matrices go into a folder"},
+           {"make cloud -o x.obj", "cloud: there is no such generator; known are "},
+           {"make icosphere:1 -o out", "-o must name a file that ends with .obj, .off or .ply"},
+           {"ops a.obj f.ply -o out", "-o must name a file that ends with .csv or .vtp"},
+           {"view f.ply", "nothing is to be made; give -o FILE.html, --png FILE or --curves FILE"},
+           {"design a.obj", "nothing is designed; give --design FILE"},
+           {"design a.obj --source 5 --t 0", "--t weighs a guidance field; give one with --guidance"},
+           {"design a.obj --source 5 --guidance :2", "should be FIELD.ply, smoothest, curvature or zero"},
+           {"design a.obj --source x", "--source: x should be "},
+           {"design a.obj --source -5", "--source: -5 should be "},
+           {"design a.obj --fix 5:1,2", "--fix: 5:1,2 should be VERTEX:ANGLE or VERTEX:X,Y,Z"},
+           {"design a.obj --fix 5", "--fix: 5 should be VERTEX:ANGLE or VERTEX:X,Y,Z"},
+           {"design a.obj --stroke :2", "--stroke: the name is empty"},
+           {"design a.obj --stroke list:-1", "--stroke: list:-1 should be FILE or FILE:WEIGHT with a weight above 0"},
+       })
+    check_refused(folder, w.arguments, w.says);
+  CHECK(folder.files() == before);
+}
+
+TEST_CASE("what a file that an option names does not hold is told by its name and line") {
+  const CliFolder folder;
+  folder.write("a.obj", icosphere(1));
+  folder.write("b.obj", icosphere(2));
+  folder.write("words", std::string("0 0 1\n1 zero 0\n"));
+  folder.write("pairs", std::string("0 0 1\n1 0\n"));
+  folder.write("empty", std::string("# nothing\n\n"));
+  folder.write("point", std::string("0 0 1\n1 0 0\n\n0 1 0\n"));
+  folder.write("zero", std::string("a\0b\n", 4));
+  REQUIRE(folder.run("field b.obj -n 2 -q -o b.ply").exit == 0);
+  struct Wrong {
+    const char *arguments, *says;
+  };
+  for (const Wrong& w : std::vector<Wrong>{
+           {"design a.obj -n 2 --stroke words", "words:2: not a number: zero 0"},
+           {"design a.obj -n 2 --stroke pairs", "pairs:2: 2 numbers instead of a point x y z"},
+           {"design a.obj -n 2 --stroke empty", "empty: holds no stroke"},
+           {"design a.obj -n 2 --stroke point", "point: stroke 1 has one point; at least two are needed"},
+           {"field a.obj --features b.obj", "b.obj: has 162 vertices, and the mesh 42"},
+           {"field a.obj --features a.obj", "a.obj: lists no edges"},
+           {"field --batch zero", "zero: a name has a zero byte; give one path a line"},
+           {"field --batch empty", "empty: the list names no mesh; give one path a line"},
+           {"ops a.obj b.ply", "b.ply holds a field on another mesh (162 vertices, 320 faces) than a.obj"},
+           {"design a.obj -n 2 --source 3 --guidance b.ply", "b.ply: holds a field on another mesh"}}) {
+    CAPTURE(std::string(w.arguments));
+    const CliResult result = folder.run(w.arguments);
+    CAPTURE(result.err);
+    CHECK(result.exit == 3);
+    CHECK(result.error_says(w.says));
+  }
+}
+
 TEST_CASE("an error of a file that an option names is told like any other, as JSON too") {
   const CliFolder folder;
   folder.write("a.obj", icosphere(1));

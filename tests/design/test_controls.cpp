@@ -9,13 +9,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "alcap/designer.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
 #include "src/base/random.h"
-#include "tests/support/mesh_case.h"
+#include "tests/design/designer_case.h"
 
 using namespace alcap;
 
@@ -23,9 +22,8 @@ namespace {
 
 using C = Complex<double>;
 
-struct Case : test::ConnectedCase {
-  using ConnectedCase::ConnectedCase;
-  [[nodiscard]] Designer designer(const DesignerOptions& options) const { return Designer(connected(), options); }
+struct Case : test::DesignerCase {
+  using DesignerCase::DesignerCase;
   [[nodiscard]] StiffnessMass matrices(int n) const {
     const HermitianPattern pattern(mesh);
     return stiffness_and_mass(mesh, pattern, geometry, connection, n);

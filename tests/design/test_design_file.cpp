@@ -9,13 +9,17 @@
 #include <Eigen/Geometry>
 #include <filesystem>
 #include <fstream>
+#include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
 #include "alcap/errors.h"
 #include "alcap/generators.h"
+#include "alcap/output.h"
 #include "src/base/random.h"
+#include "tests/support/folder.h"
 
 using namespace alcap;
 using Json = nlohmann::json;
@@ -58,7 +62,16 @@ DesignFile full() {
                {.vertices = {1, 2, 30}, .radius = 0.25},
                {.path = {{0, 0, 1}, {0.1, 0, 1e-3}}}};
   d.boundary = {.wanted = true, .normal = true, .weight = 0.1};
-  d.features = {.wanted = true, .angle = 35.5, .weight = 2};
+  d.features = {.wanted = true,
+                .angle = 35.5,
+                .weight = 2,
+                .hold = true,
+                .across = true,
+                .boundary = true,
+                .corner_angle = 50,
+                .low_angle = 20,
+                .gap = 0.25,
+                .spur = 0.125};
   return d;
 }
 
@@ -135,6 +148,23 @@ TEST_CASE("what is written reads back as the same design, bit for bit") {
   CHECK(back.boundary.normal);
   CHECK(back.features.angle == 35.5);
   CHECK(back.features.weight == 2);
+  CHECK(back.features.hold);
+  CHECK(back.features.across);
+  CHECK(back.features.boundary);
+  CHECK(back.features.corner_angle == 50);
+  CHECK(back.features.low_angle == 20);
+  CHECK(back.features.gap == 0.25);
+  CHECK(back.features.spur == 0.125);
+  DesignFile named = full();
+  named.features = {.wanted = true, .hold = true, .edges = {{3, 4}, {4, 17}}, .gap = 1};
+  CHECK(parse_design(design_text(named)).features.edges == named.features.edges);
+  named.features = {.wanted = true, .file = "creases.sharp", .spur = 1};
+  CHECK(parse_design(design_text(named), "design", "folder").features.file == "folder/creases.sharp");
+  // Designs from before features could be held.
+  const DesignFile old = parse_design(R"({"alcap_design":1,"n":4,"features":{"angle":30,"weight":2}})");
+  CHECK_FALSE(old.features.hold);
+  CHECK_FALSE(old.features.boundary);
+  CHECK(Json::parse(design_text(old))["features"] == Json({{"angle", 30}, {"weight", 2}}));
   const DesignFile by_t = parse_design(
       R"({"alcap_design":1,"n":2,"method":"variational","guidance":{"field":"least-curvature","t":-0.1}})");
   CHECK(*by_t.guidance.t == -0.1);
@@ -249,7 +279,6 @@ TEST_CASE("every wrong value is named by its path and value") {
       {"/fixed/0/length", 0, "/fixed/0/length = 0: must be in [1e-100, 1e12]"},
       {"/fixed/0/length", "long", "/fixed/0/length = \"long\": must be one of free"},
       {"/method", "magic", "/method = \"magic\": must be one of variational, eigen"},
-      {"/method", "eigen", "/guidance = file: needs the variational method"},
       {"/s", 1.5, "/s = 1.5: must be in [-1, 1]"},
       {"/boundary/align", "up", "/boundary/align = \"up\": must be one of tangent, normal"},
       {"/boundary/weight", -1, "/boundary/weight = -1: must be in [1e-100, 1e12]"},
@@ -306,6 +335,100 @@ TEST_CASE("every wrong value is named by its path and value") {
   CHECK(error_of(vectors + R"("spiral"}]})").find("a spiral needs the key angle") != std::string::npos);
   CHECK(error_of(vectors + R"("source","relative_to":[1,0,0]}]})").find("is its swirl") != std::string::npos);
   CHECK(error_of(vectors + R"("saddle","relative_to":[1,0,0]}]})") == "no error");
+}
+
+TEST_CASE("a design made by a program is refused with the path, the value and the rule") {
+  using Source = DesignGuidance::Source;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  struct Wrong {
+    const char *path, *value, *rule;
+    std::function<void(DesignFile&)> change;
+  };
+  const std::vector<DesignPoint> points = {{.face = 1, .barycentric = {1, 0, 0}},
+                                           {.face = 2, .barycentric = {0, 1, 0}}};
+  const auto one = [](DesignSingularity s) { return [s](DesignFile& d) { d.singularities = {s}; }; };
+  const auto held = [](DesignFixed f) { return [f](DesignFile& d) { d.fixed = {f}; }; };
+  const auto guided = [](DesignGuidance g) { return [g](DesignFile& d) { d.guidance = g; }; };
+  const auto featured = [](DesignFeatures f) { return [f](DesignFile& d) { d.features = f; }; };
+  const std::vector<Wrong> all = {
+      {"/n", "0", "is 1 to 1000", [](DesignFile& d) { d.n = 0; }},
+      {"/s", "nan", "[-1, 1]", [](DesignFile& d) { d.s = std::nan(""); }},
+      {"/connection/tan_cap", "infinity", "positive and finite",
+       [](DesignFile& d) { d.connection.tan_cap = infinity; }},
+      {"/singularities/0/kind", "\"wedge\"", "exists for n = 2 only, and here n = 1",
+       one({.face = 0, .kind = SingularityKind::wedge})},
+      {"/singularities/0/angle", "infinity", "must be finite", one({.face = 0, .angle = infinity})},
+      {"/singularities/0/relative_to", "[nan,0,0]", "must be finite",
+       one({.face = 0, .relative_to = Vector3{std::nan(""), 0, 0}})},
+      {"/singularities/0/count", "0", "must be 1 to ", one({.face = 0, .count = 0})},
+      {"/singularities/0/count", "2", "is only for source and saddle; \"sink\" has index 1",
+       one({.face = 0, .kind = SingularityKind::sink, .count = 2})},
+      {"/singularities/0/pin", "[1,0,0]", "needs face; with at, give true",
+       one({.at = Vector3{0, 0, 1}, .pin = true, .barycentric = std::array<double, 3>{1, 0, 0}})},
+      {"/singularities/0/pin", "[1,0,0]", "coordinates of a pin without a pin",
+       one({.face = 0, .barycentric = std::array<double, 3>{1, 0, 0}})},
+      {"/fixed/0", "two directions", "either direction or angle",
+       held({.vertex = 0, .direction = Vector3{1, 0, 0}, .angle = 3})},
+      {"/fixed/0", "no direction", "either direction or angle", held({.vertex = 0})},
+      {"/fixed/0/relative_to", "[1,0,0]", "needs angle",
+       held({.vertex = 0, .direction = Vector3{1, 0, 0}, .relative_to = Vector3{1, 0, 0}})},
+      {"/fixed/0/length", "2", "a length that is free has no value",
+       held({.vertex = 0, .angle = 3, .length = 2, .free_length = true})},
+      {"/strokes/0", "two courses", "needs one of points, vertices and path",
+       [=](DesignFile& d) {
+         d.strokes = {{.points = points, .vertices = {1, 2}}};
+       }},
+      {"/strokes/0/points", "0 points", "at least two", [](DesignFile& d) { d.strokes = {{}}; }},
+      {"/guidance/t", "-1", "needs the variational method",
+       [](DesignFile& d) {
+         d.method = DesignMethod::eigen;
+         d.guidance = {.source = Source::smoothest, .t = -1};
+       }},
+      {"/guidance/field", "\"least-curvature\"", "needs n = 2, and here n = 1",
+       guided({.source = Source::least_curvature})},
+      {"/guidance/field", "\"curvature\"", "n must be even, and here it is 1", guided({.source = Source::curvature})},
+      {"/guidance/t", "1e+13", "[-1e12, 1e12]", guided({.source = Source::smoothest, .t = 1e13})},
+      {"/guidance/t", "0", "cannot be combined with weights per vertex",
+       guided({.source = Source::smoothest, .t = 0, .weights = {1}})},
+      {"/features", "n = 1", "an even n", [](DesignFile& d) { d.features.wanted = true; }},
+      {"/features/corner_angle", "0", "(0, 180]", featured({.wanted = true, .corner_angle = 0})},
+      {"/features/weight", "0", "[1e-100, 1e12]", featured({.wanted = true, .weight = 0})},
+      {"/features/low_angle", "41", "(0, angle]", featured({.wanted = true, .low_angle = 41})},
+      {"/features/low_angle", "30", "not with file and edges",
+       featured({.wanted = true, .file = "a.sharp", .low_angle = 30})},
+      {"/features/boundary", "true", "goes with angle",
+       featured({.wanted = true, .edges = {{1, 2}}, .boundary = true})},
+      {"/features/edges", "1 edges", "cannot be combined with file",
+       featured({.wanted = true, .file = "a.sharp", .edges = {{1, 2}}})},
+      {"/features/gap", "-1", "not negative", featured({.wanted = true, .gap = -1})},
+      {"/features/spur", "-1", "not negative", featured({.wanted = true, .spur = -1})},
+  };
+  for (const Wrong& w : all) {
+    CAPTURE(std::string(w.path));
+    CAPTURE(std::string(w.rule));
+    DesignFile design;
+    w.change(design);
+    try {
+      check_design(design);
+      FAIL("was not refused");
+    } catch (const OptionError& e) {
+      CAPTURE(std::string(e.what()));
+      CHECK(e.field() == w.path);
+      CHECK(e.value() == w.value);
+      CHECK(e.rule().find(w.rule) != std::string::npos);
+    }
+  }
+  for (const auto& [features, says] : std::vector<std::pair<std::string, std::string>>{
+           {R"({"hold":1})", "/features/hold = 1: must be true or false"},
+           {R"({"edges":[]})", "/features/edges = []: needs an edge at least"},
+           {R"({"edges":[[1,2,3]]})", "/features/edges/0 = [1,2,3]: must be a list of two vertices"},
+           {R"({"edges":[[1,"a"]]})", "/features/edges/0/1 = \"a\": must be a whole number"},
+           {R"({"file":""})", "/features/file = \"\": must be the name of a file"},
+           {R"({"file":"a.sharp","angle":3})", "/features/angle = 3: cannot be combined with file and edges"},
+           {R"({"gap":"wide"})", "/features/gap = \"wide\": must be a number"}})
+    CHECK(error_of(R"({"alcap_design":1,"n":4,"features":)" + features + "}") == "d.json: " + says);
+  const std::string merged = error_of(R"({"alcap_design":1,"n":1,"edits":[{"merge":[0]}]})");
+  CHECK(merged == "d.json: /edits/0/merge = [0]: must be a list of two singularities");
 }
 
 TEST_CASE("what is not JSON is told with its line; keys given twice and absurd depth are refused") {
@@ -395,6 +518,11 @@ TEST_CASE("a design says what does not fit the mesh") {
   d = full();
   d.strokes[0].points[0].face = 5000;
   CHECK(field_of(d) == "/strokes/0/points/0/face = 5000");
+  d = {.guidance = {.source = DesignGuidance::Source::smoothest, .weights = {1, 1}}};
+  CHECK(field_of(d) == "/guidance/weights = 2 values");
+  const Mesh loose(tetrahedron().F, 5);
+  d = {.fixed = {{.vertex = 4, .angle = 0.0}}};
+  CHECK_THROWS_WITH_AS(check_design(d, loose), "option '/fixed/0/vertex' = 4: no face uses this vertex", OptionError);
 }
 
 TEST_CASE("points of space become the nearest face, vertex and barycentric coordinates") {
@@ -551,4 +679,71 @@ TEST_CASE("features become a stroke along every crease, for even n") {
   design.features.angle = 40;
   design.n = 3;
   CHECK_THROWS_AS(check_design(design), OptionError);
+}
+
+TEST_CASE("held features and those across are placed as their edges, by angle, list and file alike") {
+  MeshData box = cube();
+  const Surface surface(box.V, box.F);
+  DesignFile design;
+  design.n = 4;
+  design.features = {.wanted = true, .weight = 3, .hold = true, .corner_angle = 60};
+  const DesignFile placed = place_design(design, surface);
+  CHECK(placed.strokes.empty());
+  CHECK(placed.features.edges.size() == 12);
+  CHECK(placed.features.hold);
+  CHECK(placed.features.weight == 3);
+  CHECK(placed.features.corner_angle == 60);
+  CHECK(place_design(placed, surface).features.edges == placed.features.edges);
+  const auto controls = design_controls(placed, connect(surface));
+  REQUIRE(controls.size() == 1);
+  CHECK(controls[0].path == "/features");
+  CHECK(std::get<FeatureAlignment>(controls[0].control).features.lines.size() == 12);
+
+  const test::Folder folder;
+  write_sharp(surface, sharp_edges(surface), folder.path / "box.sharp");
+  DesignFile by_file = design;
+  by_file.features = {.wanted = true, .across = true, .file = folder.path / "box.sharp"};
+  CHECK(place_design(by_file, surface).features.edges == placed.features.edges);
+  CHECK(place_design(by_file, surface).features.across);
+  by_file.features.across = false;  // drawn along: strokes, as by angle
+  CHECK(place_design(by_file, surface).strokes.size() == 12);
+  by_file.features.file = folder.path / "none.sharp";
+  CHECK_THROWS_AS((void)place_design(by_file, surface), FileError);
+
+  design.features = {.wanted = true, .angle = 100, .hold = true};  // no edge folds by so much
+  CHECK_FALSE(place_design(design, surface).features.wanted);
+  const auto refused = [&](std::vector<std::array<Index, 2>> edges) {
+    design.features = {.wanted = true, .hold = true, .edges = std::move(edges)};
+    try {
+      (void)place_design(design, surface);
+    } catch (const OptionError& e) {
+      return e.field() + " = " + e.value();
+    }
+    return std::string();
+  };
+  CHECK(refused({{0, 1}, {0, 99}}) == "/features/edges/1 = 99");
+  CHECK(refused({{0, -1}}) == "/features/edges/0 = -1");
+  CHECK(refused({{0, 0}}).find("/features/edges/0") == 0);
+}
+
+TEST_CASE("eigen designs take guidance by weight, pins and strokes with a radius; lambda_t they find themselves") {
+  DesignFile design;
+  design.n = 2;
+  design.method = DesignMethod::eigen;
+  design.guidance = {.source = DesignGuidance::Source::curvature, .weight = 3};
+  design.singularities = {{.face = 3, .pin = true}};
+  design.strokes = {{.vertices = {3, 17}, .radius = 0.5}};
+  CHECK_NOTHROW(check_design(design));
+  CHECK(design_text(parse_design(design_text(design))) == design_text(design));
+  design.guidance.weight = 1;
+  design.guidance.t = -1;
+  try {
+    check_design(design);
+    FAIL("t was accepted");
+  } catch (const OptionError& e) {
+    CHECK(e.field() == "/guidance/t");
+    CHECK(std::string(e.what()).find("give weight") != std::string::npos);
+  }
+  design.method = DesignMethod::variational;
+  CHECK_NOTHROW(check_design(design));
 }

@@ -3,13 +3,15 @@
 
 #include <Eigen/Dense>
 
-#include "alcap/designer.h"
+#include "alcap/eigen_design.h"
 #include "alcap/energies.h"
 #include "alcap/generators.h"
 #include "alcap/singularities.h"
 #include "alcap/smoothest.h"
+#include "alcap/strokes.h"
 #include "src/base/random.h"
-#include "tests/support/mesh_case.h"
+#include "tests/design/designer_case.h"
+#include "tests/support/surfaces.h"
 
 using namespace alcap;
 
@@ -17,10 +19,7 @@ namespace {
 
 using C = Complex<double>;
 
-struct Case : test::ConnectedCase {
-  using ConnectedCase::ConnectedCase;
-  [[nodiscard]] Designer designer(const DesignerOptions& options) const { return Designer(connected(), options); }
-};
+using Case = test::DesignerCase;
 
 // Centers of faces met by walking through opposite edges: a polyline on the surface.
 Stroke walk(const Mesh& mesh, Index face, int steps, double weight) {
@@ -230,6 +229,63 @@ TEST_CASE("singular systems, empty designs and bad controls are refused with the
   CHECK_THROWS_AS(designer.set_guidance(ComplexVectorX<double>::Zero(sphere.mesh.vertices())), OptionError);
   CHECK_THROWS_AS((void)sphere.designer({.n = 0}), OptionError);
   CHECK_THROWS_AS((void)sphere.designer({.n = 1, .guidance_weight = -1}), OptionError);
+}
+
+TEST_CASE("what a designer refuses is told with its value and the rule") {
+  const Case sphere(icosphere(2));
+  const Index vertices = sphere.mesh.vertices();
+  auto designer = sphere.designer({.n = 2, .guidance_weight = 1});
+  auto by_t = sphere.designer({.n = 2, .t = -1.0});
+  const ComplexVectorX<double> u0 = ComplexVectorX<double>::Ones(vertices);
+  ComplexVectorX<double> hole = u0;
+  hole[5] = std::nan("");
+  const auto says = [](const char* what, const auto& call) {
+    CAPTURE(std::string(what));
+    CHECK_THROWS_WITH_AS(call(), doctest::Contains(what), OptionError);
+  };
+  says("option 'largest_rank' = -1: must not be negative",
+       [&] { (void)sphere.designer({.n = 2, .largest_rank = -1}); });
+  says("option 'id' = 7: there is no such control", [&] { designer.set(ControlId{7}, BoundaryAlignment{}); });
+  says("option 'u0' = 3 values: needs one per vertex", [&] { designer.set_guidance(u0.head(3)); });
+  says("option 'u0' = not finite: every value must be finite", [&] { designer.set_guidance(hole); });
+  says("option 't' = -1: cannot be combined with weights per vertex",
+       [&] { by_t.set_guidance_weights(VectorX<double>::Ones(vertices)); });
+  designer.set_guidance(u0);
+  says("option 'guidance_weight' = 0: a guidance field needs a weight", [&] { designer.set_guidance_weight(0); });
+  says("option 'value' = not finite: must be a finite complex number", [&] {
+    designer.add(VertexConstraint{.vertex = 1, .value = {0, std::nan("")}});
+  });
+  says("option 'orientation' = nan: must be finite",
+       [&] { designer.add(SingularityTarget{.face = 1, .orientation = std::nan("")}); });
+  says("option 'radius' = 0.5: needs a line", [&] {
+    designer.add(Stroke{.points = {{0, {1, 0, 0}}, {0, {0, 1, 0}}}, .radius = 0.5});
+  });
+  const Surface nowhere = test::flat_torus_surface(6, 6);
+  Designer flat(connect(nowhere), {.n = 2});
+  says("option 'points' = 2 points: need a surface that lies in space", [&] {
+    flat.add(Stroke{.points = {{0, {1, 0, 0}}, {1, {1, 0, 0}}}});
+  });
+  // A singularity stays on its component.
+  const MeshData ball = icosphere(1);
+  const auto count = static_cast<Index>(ball.V.rows());
+  Positions<double> V(2 * count, 3);
+  V << ball.V, ball.V.array() + 5;
+  Faces F(2 * ball.F.rows(), 3);
+  F << ball.F, ball.F.array() + count;
+  const ConnectedSurface both = connect(Surface(V, F));
+  Designer two(both, {.n = 1});
+  const ControlId source = two.add(SingularityTarget{.face = 3});
+  says("option 'face' = 80: lies on another component than face 3", [&] { two.move(source, 80); });
+  SurfacePolyline across = stroke_through_points(both, {{0, {1, 0, 0}}, {0, {0, 1, 0}}});
+  across.segments.push_back(across.segments.front());
+  across.segments.back().face = 80;
+  says("option 'strokes[0].line' = 80: a stroke stays on one component", [&] {
+    (void)eigen_design(both, {.strokes = {{across, 1}}}, {.n = 1});
+  });
+  across.segments.back().length = 0;
+  says("option 'strokes[0].line' = 0: segments have a positive length", [&] {
+    (void)eigen_design(both, {.strokes = {{across, 1}}}, {.n = 1});
+  });
 }
 
 TEST_CASE("a design solved once: multigrid gives the field of the factorisation, and refuses what that refuses") {

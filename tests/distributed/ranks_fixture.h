@@ -19,12 +19,17 @@ namespace alcap::test {
 
 struct OneMachine {
   OneMachine(const MeshData& data, ConnectionKind kind, int n, double s = 0)
-      : mesh(data.F, data.V.rows()), geometry(mesh, data.V) {
-    connection = kind == ConnectionKind::polar   ? polar(mesh, geometry)
-                 : kind == ConnectionKind::local ? locally_optimal(mesh, geometry)
-                                                 : globally_optimal(mesh, geometry, {.tolerance = 1e-10});
+      : OneMachine(data, {.n = n, .s = s, .connection = {kind}}) {}
+  OneMachine(const MeshData& data, const DistributedOptions& o) : mesh(data.F, data.V.rows()), geometry(mesh, data.V) {
+    const ConnectionKind kind = o.connection.kind;
+    connection = kind == ConnectionKind::polar    ? polar(mesh, geometry)
+                 : kind == ConnectionKind::local  ? locally_optimal(mesh, geometry)
+                 : kind == ConnectionKind::global ? globally_optimal(mesh, geometry, o.global)
+                 : kind == ConnectionKind::trivial
+                     ? trivial(mesh, geometry, o.cones, {.n = o.n, .loop_index = o.loop_index, .global = o.global})
+                     : metric_connection(mesh, geometry, o.cones, {.loop_index = o.loop_index, .global = o.global});
     frames = vertex_frames(mesh, data.V, geometry, connection);
-    found = smoothest_field(mesh, geometry, connection, nullptr, {.n = n, .s = s, .eigen = {.tolerance = 1e-9}});
+    found = smoothest_field(mesh, geometry, connection, nullptr, {.n = o.n, .s = o.s, .eigen = {.tolerance = 1e-9}});
     singularities = find_singularities(mesh, geometry, connection, found.field);
     topology = find_topology(mesh);
     sums = index_sums(mesh, geometry, connection, found.field, face_indices(mesh, connection, found.field), topology);
@@ -55,6 +60,19 @@ inline MeshData side_by_side(const std::vector<MeshData>& parts) {
     faces += p.F.rows();
   }
   return all;
+}
+
+/// Without the faces around some vertices: a boundary loop for each.
+inline MeshData punctured(const MeshData& data, const std::vector<Index>& holes) {
+  MeshData open{data.V, Faces(data.F.rows(), 3)};
+  Eigen::Index kept = 0;
+  for (Eigen::Index t = 0; t < data.F.rows(); ++t) {
+    bool hit = false;
+    for (const Index v : holes) hit = hit || (data.F.row(t).array() == v).any();
+    if (!hit) open.F.row(kept++) = data.F.row(t);
+  }
+  open.F.conservativeResize(kept, 3);
+  return open;
 }
 
 /// Everything that does not depend on which vector of a cluster was found.

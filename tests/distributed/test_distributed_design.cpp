@@ -3,10 +3,12 @@
 // Designs over several ranks against the same on one machine: every control that is there, singular systems, many
 // components, and what is refused.
 #include <algorithm>
+#include <filesystem>
 
 #include "alcap/alignment.h"
 #include "alcap/connected_surface.h"
 #include "alcap/distributed_design.h"
+#include "src/run/design_stages.h"
 #include "tests/distributed/ranks_fixture.h"
 
 using namespace alcap;
@@ -31,6 +33,8 @@ struct OneDesign {
       const ComplexVectorX<double> u =
           smoothest_field(connected, {.n = placed.n, .s = placed.s, .eigen = {.tolerance = 1e-12}}).field.u;
       designer.set_guidance(u / root_mean_square(surface, u));
+    } else if (guided && g.source != Source::zero) {
+      designer.set_guidance(*detail::find_guidance(connected, placed, g.source, "auto").u);
     }
     if (!g.weights.empty())
       designer.set_guidance_weights(
@@ -47,7 +51,7 @@ struct OneDesign {
 DistributedDesignOptions together() { return {.eigen_tolerance = 1e-11, .gather_below = 100}; }
 
 /// How far the ranks' field is from one machine's, relative to its longest vector.
-double error_of(const ComplexVectorX<double>& one, const MeshSlice& slice, const DistributedDesign& all) {
+double error_of(const ComplexVectorX<double>& one, const MeshSlice& slice, const DistributedField& all) {
   double most = 0;
   for (Eigen::Index v = 0; v < all.u.size(); ++v)
     most = std::max(most, std::abs(all.u[v] - one[slice.first_vertex + v]));
@@ -60,11 +64,25 @@ void check_alike(const MeshData& data, const DesignFile& design, double digits =
   const OneDesign one(data, design);
   const MeshSlice slice = slice_of(data.V, data.F);
   const DistributedDesign all = distributed_design(slice, design, options);
-  CHECK(error_of(one.result.field.u, slice, all) <= digits);
+  // Nothing decides a turn that all frames of a flat connection have in common.
+  if (one.connected.connection().flat && all.u.size() > 0) {
+    const auto rows = all.u.size();
+    const Frames& frames = *one.connected.frames();
+    const Field there =
+        on_frames({all.n, all.u, std::make_shared<const Frames>(all.frames)},
+                  std::make_shared<const Frames>(Frames{frames.X.middleRows(slice.first_vertex, rows),
+                                                        frames.N.middleRows(slice.first_vertex, rows)}));
+    DistributedField moved;
+    moved.u = there.u;
+    CHECK(error_of(one.result.field.u, slice, moved) <= digits);
+  } else {
+    CHECK(error_of(one.result.field.u, slice, all) <= digits);
+  }
   CHECK(all.residual <= 1e-11);
   CHECK(all.certificate.holds());
-  REQUIRE(all.outcomes.size() == one.result.controls.size());
-  for (std::size_t k = 0; k < all.outcomes.size(); ++k) {
+  REQUIRE(all.outcomes.size() == one.result.controls.size() + one.placed.connection.cones.size());
+  for (std::size_t k = one.result.controls.size(); k < all.outcomes.size(); ++k) CHECK(all.outcomes[k].met);
+  for (std::size_t k = 0; k < one.result.controls.size(); ++k) {
     CAPTURE(k);
     CHECK(all.outcomes[k].met == one.result.controls[k].met);
     CHECK(all.outcomes[k].index == one.result.controls[k].index);
@@ -149,6 +167,117 @@ TEST_CASE("smoothest guidance, with a weight, weights per vertex, and t") {
   check_alike(data, design);
   design.guidance.t = 1e3;
   CHECK_THROWS_AS(check_alike(data, design), OptionError);
+  CHECK_THROWS_AS((void)distributed_design(slice_of(data.V, data.F), design, together()), OptionError);
+}
+
+TEST_CASE("targets of several zeros, whose faces may be those of several ranks") {
+  const MeshData data = noisy_scan(3, 0.2, 11);
+  DesignFile design = crosses();
+  design.singularities[0].count = 2;
+  design.singularities[1].count = 4;  // index 1: its angle is a swirl
+  design.singularities[1].relative_to = std::nullopt;
+  design.singularities[2].count = 3;  // pinned
+  check_alike(data, design);
+  // On a small component the walk sees all of it; eight zeros do not fit.
+  DesignFile many{.n = 4};
+  many.singularities = {{.face = 1, .kind = SingularityKind::source, .count = 2}};
+  check_alike(bumpy_sphere(1, 0.3, 5), many);
+  many.singularities[0].count = 8;
+  const MeshData small = icosphere(0);
+  try {
+    (void)distributed_design(slice_of(small.V, small.F), many, together());
+    CHECK(false);
+  } catch (const OptionError& e) {
+    CHECK(e.field() == "/singularities/0");
+    CHECK(e.rule().find("has room for") != std::string::npos);
+  }
+}
+
+TEST_CASE("strokes through points and along paths in space") {
+  const MeshData data = noisy_scan(3, 0.2, 11);
+  DesignFile design = crosses();
+  const std::array<double, 3> middle{0.2, 0.3, 0.5};
+  design.strokes = {// Far apart, so that they cross many faces; one twice, one at a vertex, one on an edge.
+                    {.points = {{.face = 100, .barycentric = middle},
+                                {.face = 700, .barycentric = {1, 0, 0}},
+                                {.face = 700, .barycentric = {1, 0, 0}},
+                                {.face = 1200, .barycentric = {0, 0.25, 0.75}}},
+                     .weight = 2},
+                    {.path = {{1, 0, 0.2}, {0.3, 1, 0.4}, {-0.5, 0.6, 0.7}, {1, 0, 0.2}}},
+                    {.points = {{.face = 60, .barycentric = middle}, {.at = Vector3{0, 0, 2}}}}};
+  check_alike(data, design);
+  // Refused as on one machine.
+  const MeshData apart = side_by_side({data, bumpy_sphere(2, 0.3, 3)});
+  for (const std::vector<DesignPoint>& points :
+       {std::vector<DesignPoint>{{.face = 100, .barycentric = middle},
+                                 {.face = static_cast<Index>(apart.F.rows()) - 1, .barycentric = middle}},
+        std::vector<DesignPoint>{{.face = 100, .barycentric = middle}, {.face = 100, .barycentric = middle}}}) {
+    design.strokes = {{.points = points}};
+    std::string one, all;
+    try {
+      (void)OneDesign(apart, design);
+    } catch (const OptionError& e) {
+      one = e.what();
+    }
+    try {
+      (void)distributed_design(slice_of(apart.V, apart.F), design, together());
+    } catch (const OptionError& e) {
+      all = e.what();
+    }
+    CHECK(one != "");
+    CHECK(all == one);
+  }
+}
+
+TEST_CASE("guidance by curvature") {
+  const MeshData data = noisy_scan(3, 0.2, 11);
+  DesignFile design = crosses();
+  design.guidance = {.source = Source::curvature, .weight = 2};
+  check_alike(data, design);
+  design = {.n = 2, .guidance = {.source = Source::strongest_curvature, .t = -1.0}};
+  check_alike(data, design);
+  design.guidance = {.source = Source::least_curvature, .weight = 0.5};
+  design.boundary.wanted = true;
+  check_alike(cylinder(16, 14), design);
+}
+
+TEST_CASE("guidance from a file, of which every rank reads its slice") {
+  const MeshData data = noisy_scan(3, 0.2, 11);
+  const MeshSlice slice = slice_of(data.V, data.F);
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("alcap_guidance_" + std::to_string(distributed_ranks()) + ".ply"))
+          .string();
+  DistributedField field = distributed_field(slice, {.n = 4, .connection = {ConnectionKind::polar}});
+  write_distributed_ply(path, slice, field);
+  DesignFile design = crosses();
+  design.guidance = {.source = Source::file, .file = path};
+  check_alike(data, design);  // with the global connection: the frames are others
+  const auto message = [&](const MeshData& mesh, int n) -> std::string {
+    DesignFile other{.n = n};
+    other.guidance = design.guidance;
+    try {
+      (void)distributed_design(slice_of(mesh.V, mesh.F), other, together());
+    } catch (const FileError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  CHECK(message(noisy_scan(3, 0.2, 12), 4).find("on another mesh") != std::string::npos);
+  CHECK(message(bumpy_sphere(2, 0.3, 3), 4).find("on another mesh") != std::string::npos);
+  CHECK(message(data, 1).find("n = 4") != std::string::npos);
+  on_first_rank([&] { std::filesystem::remove(path); });
+  CHECK(message(data, 4) != "");
+}
+
+TEST_CASE("on a trivial connection") {
+  const MeshData data = bumpy_sphere(3, 0.3, 4);
+  DesignFile design{.n = 2};
+  design.connection = {.kind = ConnectionKind::trivial, .cones = {{5, 1}, {300, 0.5}}};
+  design.connection.cones_at = {{.at = Vector3{0, 0, -3}, .index = 0.5}};
+  design.fixed = {{.vertex = 200, .direction = Vector3{1, 2, 3}}};
+  design.strokes = {{.path = {{1, 0, 0.2}, {0.3, 1, 0.4}}}};
+  check_alike(data, design);
+  design.connection.cones[0].index = 2;  // the sum is too large by one
   CHECK_THROWS_AS((void)distributed_design(slice_of(data.V, data.F), design, together()), OptionError);
 }
 
@@ -243,6 +372,8 @@ TEST_CASE("the outcomes of run_design, fewer vertices than ranks, and nothing as
     CHECK(a.path == b.path);
     CHECK(a.name == b.name);
     CHECK(a.met == b.met);
+    CHECK(a.tolerance_degrees == b.tolerance_degrees);
+    CHECK(a.tolerance_relative == b.tolerance_relative);
     CHECK(a.found.has_value() == b.found.has_value());
     CHECK(a.length_at_pin == doctest::Approx(b.length_at_pin).epsilon(1e-6));
     REQUIRE(a.control.has_value());
@@ -257,6 +388,30 @@ TEST_CASE("the outcomes of run_design, fewer vertices than ranks, and nothing as
   CHECK(smooth.certificate.holds());
   CHECK(smooth.rows + smooth.solves == 0);
   CHECK(square <= 1 + 1e-9);
+}
+
+TEST_CASE("controls are met within the tolerances of their kinds") {
+  const MeshData data = bumpy_sphere(3, 0.2, 3);
+  const MeshSlice slice = slice_of(data.V, data.F);
+  DesignFile design{.n = 4};
+  design.guidance = {.source = DesignGuidance::Source::zero};
+  design.singularities = {{.face = 100, .kind = SingularityKind::saddle, .angle = 20}};
+  design.strokes = {{.vertices = {data.F(0, 0), data.F(0, 1)}, .weight = 0.1}};
+  const DistributedDesign usual = distributed_design(slice, design, together());
+  for (const double factor : {1.01, 0.99}) {
+    DistributedDesignOptions options = together();
+    options.tolerances.singularity_degrees = factor * usual.outcomes[0].error_degrees;
+    options.tolerances.stroke_degrees = factor * usual.outcomes[1].error_degrees;
+    const DistributedDesign judged = distributed_design(slice, design, options);
+    for (const DesignOutcome& outcome : judged.outcomes) {
+      CAPTURE(outcome.path);
+      CHECK(outcome.met == (factor > 1));
+    }
+    CHECK(judged.outcomes[1].tolerance_degrees == options.tolerances.stroke_degrees);
+  }
+  DistributedDesignOptions wrong = together();
+  wrong.tolerances.cone_degrees = 0;
+  CHECK_THROWS_AS((void)distributed_design(slice, design, wrong), OptionError);
 }
 
 TEST_CASE("what needs one machine is refused by name, and what is wrong as there") {
@@ -275,14 +430,15 @@ TEST_CASE("what needs one machine is refused by name, and what is wrong as there
     change(design);
     return field_of(design);
   };
+  CHECK(with([](DesignFile& d) { d.connection = {.kind = ConnectionKind::trivial, .balance = true}; }) ==
+        "/connection/balance");
   CHECK(with([](DesignFile& d) {
-          d.connection = {.kind = ConnectionKind::trivial, .cones = {{0, 1}, {9, 1}}};
-        }) == "/connection/kind");
-  CHECK(with([](DesignFile& d) { d.connection.kind = ConnectionKind::metric; }) == "/connection/kind");
-  CHECK(with([](DesignFile& d) { d.guidance.source = Source::curvature; }) == "/guidance/field");
-  CHECK(with([](DesignFile& d) { d.guidance = {.source = Source::file, .file = "field.ply"}; }) == "/guidance/file");
-  CHECK(with([](DesignFile& d) { d.singularities[1].count = 2; }) == "/singularities/1/count");
-  CHECK(with([](DesignFile& d) { d.strokes = {{.path = {{0, 0, 1}, {0, 1, 0}}}}; }) == "/strokes/0/path");
+          d.connection = {.kind = ConnectionKind::trivial, .holonomy = {0.25, 0}};
+        }) == "/connection/holonomy");
+  CHECK(with([](DesignFile& d) {
+          d.connection.kind = ConnectionKind::metric;
+          d.connection.target.vertex_curvature = VectorX<double>::Zero(3);
+        }) == "/connection/target");
   CHECK(with([](DesignFile& d) { d.strokes = {{.points = {{.face = 1}, {.face = 2}}}}; }) != "");
   CHECK(with([&](DesignFile& d) { d.strokes = {{.vertices = walk(data, 3, 3), .radius = 0.1}}; }) ==
         "/strokes/0/radius");
@@ -307,6 +463,14 @@ TEST_CASE("what needs one machine is refused by name, and what is wrong as there
           const Eigen::RowVector3d normal = connect(Surface(data.V, data.F)).frames()->N.row(5);
           d.fixed[0].direction = Vector3{normal[0], normal[1], normal[2]};
         }) == "/fixed/0/direction");
+  const MeshData torus = torus_random_diagonals(20, 10, 1, 0.4, 2);
+  try {
+    const DesignFile flat{.connection = {.kind = ConnectionKind::trivial}};
+    (void)distributed_design(slice_of(torus.V, torus.F), flat, together());
+    CHECK(false);
+  } catch (const OptionError& e) {
+    CHECK(e.field() == "/connection/kind");
+  }
   const MeshData closed = icosphere(2);
   const DesignFile along{.n = 1, .boundary = {.wanted = true}};
   CHECK_THROWS_AS((void)distributed_design(slice_of(closed.V, closed.F), along, together()), OptionError);

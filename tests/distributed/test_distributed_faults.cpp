@@ -128,6 +128,12 @@ TEST_CASE("files that cannot be read") {
   CHECK(complaint("solid\n").find("no PLY") != std::string::npos);
   CHECK(complaint(head).find("cut") != std::string::npos);
   CHECK(complaint(head + points + std::string("\4") + std::string(16, '\0')).find("4 corners") != std::string::npos);
+  const auto of_size = [&](const std::string& faces) {
+    std::string text = head;
+    return complaint(text.replace(text.find("face 1"), 6, "face " + faces));
+  };
+  CHECK(of_size("2147483647").find("was cut") != std::string::npos);
+  CHECK(of_size("2147483648").find("can be numbered") != std::string::npos);
   const std::string wild = std::string("\3") + std::string(8, '\0') + std::string("\7\0\0\0", 4);
   CHECK(complaint(head + points + wild).find("names vertex 7") != std::string::npos);
   std::string nan = points;

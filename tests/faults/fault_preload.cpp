@@ -20,6 +20,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "tests/support/libc_allocator.h"
+
 namespace {
 
 enum What { nothing, fails, shorter, dies };
@@ -100,11 +102,6 @@ int counted_main(int argc, char** argv, char** environment) {
 
 extern "C" {
 // NOLINTBEGIN: the C library's own names.
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-
 void* malloc(std::size_t size) { return fate("malloc", false) == fails ? nullptr : __libc_malloc(size); }
 void* calloc(std::size_t n, std::size_t size) {
   return fate("malloc", false) == fails ? nullptr : __libc_calloc(n, size);

@@ -20,6 +20,7 @@
 
 #include "alcap/alcap.h"
 #include "tests/support/folder.h"
+#include "tests/support/libc_allocator.h"
 #include "tests/support/mesh_helpers.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -35,12 +36,6 @@ std::atomic<bool> from_then_on{false};
 
 extern "C" {
 // NOLINTBEGIN: the C library's own names.
-void* __libc_malloc(std::size_t);
-void* __libc_calloc(std::size_t, std::size_t);
-void* __libc_realloc(void*, std::size_t);
-void* __libc_memalign(std::size_t, std::size_t);
-void __libc_free(void*);
-
 // libgomp and OpenBLAS end the process when their few kilobytes are refused; nobody who links them can do otherwise.
 static bool ends_the_process(const void* caller) {
   Dl_info info{};

@@ -346,6 +346,9 @@ TEST_CASE("an atomic file appears at commit, complete, or not at all") {
   CHECK(fs::is_symlink(folder.path / "link"));
   CHECK(slurp(target) == "new");
   CHECK(fs::status(target).permissions() == (fs::perms::owner_read | fs::perms::owner_write));
+  fs::create_symlink("nothing.txt", folder.path / "lost");
+  CHECK_THROWS_AS(detail::AtomicFile{folder.path / "lost"}, FileError);
+  fs::remove(folder.path / "lost");
   CHECK_THROWS_AS(detail::AtomicFile{folder.path}, FileError);
   detail::AtomicFile nowhere("/dev/null");  // no regular file: written directly
   nowhere.write("x");

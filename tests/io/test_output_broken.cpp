@@ -162,6 +162,18 @@ TEST_CASE("read_field refuses what is no field file, and one cut anywhere") {
   const double nan = std::nan("");
   std::memcpy(not_finite.data() + whole.find("end_header\n") + 11 + 9 * 8, &nan, 8);  // u_re of vertex 0
   CHECK(throws(not_finite));
+  // Lines that say how the connection was made.
+  const auto says = [&](const std::string& line, const std::string& what) {
+    CHECK(throws(changed("obj_info n 4\n", "obj_info n 4\n" + line + "\n")));
+    CHECK_THROWS_WITH_AS(static_cast<void>(read_field(broken)), doctest::Contains(what.c_str()), FileError);
+  };
+  says("obj_info detail fine", "obj_info detail must be a number, not 'fine'");
+  says("obj_info tan_cap inf", "obj_info tan_cap must be a number, not 'inf'");
+  says("obj_info center navel", "obj_info center cannot be 'navel'");
+  says("obj_info length_factor wide", "obj_info length_factor cannot be 'wide'");
+  says("obj_info cone 7", "obj_info cone must be a vertex and an index, not '7'");
+  says("obj_info cone -1 1", "obj_info cone must be a vertex and an index, not '-1 1'");
+  says("obj_info cone 7 half", "obj_info cone must be a number, not 'half'");
   CHECK_THROWS_AS(static_cast<void>(read_field(folder.path / "missing.ply")), FileError);
   CHECK_THROWS_AS(static_cast<void>(read_field(folder.path)), FileError);
 }

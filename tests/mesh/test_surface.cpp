@@ -143,6 +143,24 @@ TEST_CASE("arrays of other shapes are refused, naming the array") {
   CHECK_THROWS_AS(Surface(std::vector<float>{}, s.F), MeshError);
 }
 
+TEST_CASE("wide indices that 32 bits do not hold are refused, naming the faces") {
+  const MeshData s = tetrahedron();
+  std::vector<std::int64_t> wide(s.F.data(), s.F.data() + s.F.size());
+  CHECK_NOTHROW(Surface(s.V, wide));
+  wide[4] += std::int64_t{1} << 32;  // the same in 32 bits
+  wide[11] = -1;
+  try {
+    Surface(s.V, wide);
+    FAIL("was not refused");
+  } catch (const MeshError& e) {
+    CHECK(e.defect() == Defect::index_out_of_range);
+    CHECK(e.element() == Element::face);
+    CHECK(e.count() == 2);
+    CHECK(e.first() == std::vector<std::int32_t>{1, 3});
+    CHECK(std::string(e.what()).find("face 1 has the index " + std::to_string(wide[4])) != std::string::npos);
+  }
+}
+
 TEST_CASE("indices that no vertex has are refused, naming the faces") {
   const MeshData s = icosphere(1);
   check_refused<std::int32_t>(s, -1);

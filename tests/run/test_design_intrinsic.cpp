@@ -97,8 +97,19 @@ TEST_CASE("variational designs: singularities, pins, fixed vertices and strokes,
 }
 
 TEST_CASE("eigen designs: the same controls in the eigenproblem") {
-  const DesignRun run = compared(everything(DesignMethod::eigen), 0.995);
+  DesignFile design = everything(DesignMethod::eigen);
+  const DesignRun run = compared(design, 0.995);
   CHECK(run.eigen.size() == 1);
+  CHECK_FALSE(run.guidance);
+  design.singularities[1].pin = true;
+  design.strokes[0].radius = 0.2;
+  design.guidance = {.source = DesignGuidance::Source::curvature, .weight = 2};
+  const DesignRun guided = compared(design, 0.995);
+  CHECK(guided.outcomes[1].length_at_pin < 1e-6);
+  CHECK(guided.guidance->size() == bad().mesh().vertices());
+  CHECK(guided.guidance_scale > 0);
+  design.guidance.weights = std::vector<double>(static_cast<std::size_t>(bad().mesh().vertices()), 2.0);
+  CHECK(run_design(bad(), design).certificate.holds());
 }
 
 TEST_CASE("a design with cones: they stay at their vertices") {

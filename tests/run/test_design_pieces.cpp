@@ -114,7 +114,7 @@ TEST_CASE("crosses along the boundary of flat pieces have the singularities that
   for (const Singularity& s : round.singularities) {
     const double radius = position(round.surface, s).norm();
     CHECK(radius > 0.55);
-    CHECK(radius < 0.9);
+    CHECK(radius < 0.95);  // edges are 0.04 long
   }
   // Directions at vertices go with it; targets make it a linear design as before.
   DesignFile design = plain(4);

@@ -40,6 +40,8 @@ TEST_CASE("a run along features: certificate, deviations and what it says") {
   CHECK(smooth.certificate.holds());
   CHECK_THROWS_AS((void)run_field(part.V, part.F, {.n = 3, .align = FieldAlignment{}}), OptionError);
   CHECK_THROWS_AS((void)run_field(part.V, part.F, {.n = 4, .s = 0.5, .align = FieldAlignment{}}), OptionError);
+  CHECK_THROWS_WITH_AS((void)run_field(part.V, part.F, {.n = 4, .modes = 2, .align = FieldAlignment{}}),
+                       "option 'modes' = 2: must be 1 for alignment, which solves for one field", OptionError);
 }
 
 TEST_CASE("a mesh that is refused for bow-ties alone gets its field, on the split surface") {

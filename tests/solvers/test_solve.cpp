@@ -570,13 +570,38 @@ TEST_CASE("a little indefinite is solved, clearly indefinite and bad masses are 
   const EigenResult r = smallest_eigenpair(below, M, 120, {.method = "lanczos"});
   CHECK(r.report.converged);
   CHECK(r.report.lambda == doctest::Approx(-0.01 / 120).epsilon(1e-6));
-  for (const std::string method : {"lanczos"}) {
+  const auto said = [](const Hermitian& stiffness, const Hermitian& mass, const std::string& method) -> std::string {
+    try {
+      static_cast<void>(smallest_eigenpair(stiffness, mass, 120, {.method = method}));
+    } catch (const SolveError& e) {
+      return e.what();
+    }
+    return "nothing";
+  };
+  for (const std::string method : {"lanczos", "lobpcg", "inverse-iteration"}) {
     CAPTURE(method);
-    CHECK_THROWS_AS(static_cast<void>(smallest_eigenpair(S - 5.0 * M, M, 120, {.method = method})), SolveError);
-    CHECK_THROWS_AS(static_cast<void>(smallest_eigenpair(S, -1.0 * M, 120, {.method = method})), SolveError);
-    CHECK_THROWS_AS(static_cast<void>(smallest_eigenpair(S, identity(7), 120, {.method = method})), SolveError);
+    const std::string indefinite = said(S - 5.0 * M, M, method);
+    CHECK(indefinite.find("definite (found at column ") != std::string::npos);
+    CHECK(indefinite.find("S - sigma M with sigma = -") != std::string::npos);
+    CHECK(said(S, -1.0 * M, method).starts_with("the mass matrix M is not positive definite: entry 0 of its diagonal"));
+    CHECK(said(S, identity(7), method) == "S has 120 rows and M 7");
+    CHECK_THROWS_WITH_AS(static_cast<void>(eigenpairs(S, -1.0 * M, 120, 3, {.method = method})),
+                         doctest::Contains("M is not positive definite"), SolveError);
   }
-  CHECK_THROWS_AS(static_cast<void>(smallest_eigenpair(identity(3), identity(3, -1), 1)), SolveError);
+  // Multigrid finds it out in its own way, and leaves it to the factorisation to say what is wrong.
+  const Hermitian larger = torus_grid(40, 40, 0.3, 32);
+  for (const double factor : {0.0, -1.0}) {
+    const std::string bad_mass = said(larger, factor * consistent_mass(larger), "lobpcg");
+    CAPTURE(bad_mass);
+    CHECK(bad_mass.find("M") != std::string::npos);
+    CHECK(bad_mass.find("definite") != std::string::npos);
+  }
+  Hermitian saddle = identity(3);
+  saddle.coeffRef(0, 1) = saddle.coeffRef(1, 0) = 2;
+  CHECK(said(identity(3), identity(3, -1), "auto") ==
+        "the mass matrix M is not positive definite: entry 0 of its diagonal is -1");
+  CHECK(said(identity(3), saddle, "dense") ==
+        "the mass matrix M is not positive definite, although its diagonal is positive");
 }
 
 TEST_CASE("the phase is fixed: the result is the same for any seed and any turned start") {

@@ -181,6 +181,93 @@ inline MeshData ring_plate(double inner, int around, int rings) {
   return part.finish();
 }
 
+/// A plate in the plane z = 0, `height` thick, the sides along its rims cut into `layers`.
+inline MeshData extrude(const MeshData& plate, double height, int layers) {
+  PartBuilder part;
+  const auto at = [&](Index v, double z) { return PartBuilder::Point{plate.V(v, 0), plate.V(v, 1), z}; };
+  std::set<std::array<Index, 2>> sides;
+  for (Eigen::Index t = 0; t < plate.F.rows(); ++t) {
+    const Index a = plate.F(t, 0), b = plate.F(t, 1), c = plate.F(t, 2);
+    part.triangle(at(a, height), at(b, height), at(c, height));
+    part.triangle(at(a, 0), at(c, 0), at(b, 0));
+    for (const auto& [i, j] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)})
+      if (sides.erase({j, i}) == 0) sides.insert({i, j});
+  }
+  for (const auto& [i, j] : sides)
+    for (int layer = 0; layer < layers; ++layer) {
+      const double low = height * layer / layers, high = height * (layer + 1) / layers;
+      part.quad(at(i, low), at(j, low), at(j, high), at(i, high));
+    }
+  return part.finish();
+}
+
+/// A solid of revolution about z: (radius, z) from the axis to the axis, counter-clockwise around the material seen
+/// with z up, each side of the profile cut into pieces as long as those around it.
+inline MeshData revolve(const Outline& profile, int around) {
+  PartBuilder part;
+  double widest = 0;
+  for (const auto& p : profile) widest = std::max(widest, p[0]);
+  const double piece = 2 * pi<double> * widest / around;
+  const auto at = [&](double r, double z, int k) {
+    const double angle = 2 * pi<double> * (k % around) / around;
+    return PartBuilder::Point{r * std::cos(angle), r * std::sin(angle), z};
+  };
+  for (std::size_t side = 0; side + 1 < profile.size(); ++side) {
+    const auto &a = profile[side], &b = profile[side + 1];
+    const int pieces = std::max(1, static_cast<int>(std::lround(std::hypot(b[0] - a[0], b[1] - a[1]) / piece)));
+    for (int i = 0; i < pieces; ++i) {
+      const double s = double(i) / pieces, t = double(i + 1) / pieces;
+      const double r = (1 - s) * a[0] + s * b[0], z = (1 - s) * a[1] + s * b[1];
+      const double r2 = (1 - t) * a[0] + t * b[0], z2 = (1 - t) * a[1] + t * b[1];
+      for (int k = 0; k < around; ++k) {
+        if (r > 1e-9) part.triangle(at(r, z, k), at(r, z, k + 1), at(r2, z2, k));
+        if (r2 > 1e-9) part.triangle(at(r, z, k + 1), at(r2, z2, k + 1), at(r2, z2, k));
+      }
+    }
+  }
+  return part.finish();
+}
+
+/// `move` takes and gives points.
+template <class Move>
+MeshData deformed(MeshData mesh, Move&& move) {
+  for (Eigen::Index v = 0; v < mesh.V.rows(); ++v) mesh.V.row(v) = move(Eigen::RowVector3d(mesh.V.row(v)));
+  return mesh;
+}
+
+/// Points of an arc about (x, y) from angle `from` to `to`, in degrees, both included.
+inline void add_arc(Outline& outline, double x, double y, double radius, double from, double to, int pieces) {
+  for (int k = 0; k <= pieces; ++k) {
+    const double angle = (from + (to - from) * k / pieces) * pi<double> / 180;
+    outline.push_back({x + radius * std::cos(angle), y + radius * std::sin(angle)});
+  }
+}
+
+/// A plate of `rings` copies of an outline around (x, y), from where it must be star-shaped. Its sides are not cut.
+inline MeshData radial_plate(const Outline& outline, double x, double y, int rings) {
+  PartBuilder part;
+  const auto at = [&](std::size_t k, int ring) {
+    const auto& p = outline[k % outline.size()];
+    const double s = double(ring) / rings;
+    return PartBuilder::Point{x + s * (p[0] - x), y + s * (p[1] - y), 0};
+  };
+  for (std::size_t k = 0; k < outline.size(); ++k) {
+    part.triangle(at(k, 0), at(k, 1), at(k + 1, 1));
+    for (int ring = 1; ring < rings; ++ring)
+      part.quad(at(k, ring), at(k, ring + 1), at(k + 1, ring + 1), at(k + 1, ring));
+  }
+  return part.finish();
+}
+
+/// The outline with a side from its last point to (x, y), in so many pieces, its end left out where it is the start.
+inline void add_side(Outline& outline, double x, double y, int pieces) {
+  const auto from = outline.back();
+  for (int k = 1; k <= pieces; ++k) {
+    const std::array<double, 2> p{from[0] + (x - from[0]) * k / pieces, from[1] + (y - from[1]) * k / pieces};
+    if (std::hypot(p[0] - outline[0][0], p[1] - outline[0][1]) > 1e-9) outline.push_back(p);
+  }
+}
+
 struct Part {
   std::string name;
   MeshData surface;
@@ -202,6 +289,60 @@ inline std::vector<Part> cad_parts() {
       {"hexagonal prism", prism(regular(6), 10, 1, 10)},
       {"chamfered bar", prism({{0, 0}, {2, 0}, {2, 0.7}, {1.7, 1}, {0, 1}}, 12, 2, 16)},
       {"cylinder", prism(regular(6), 10, 2, 18, true)},
+  };
+}
+
+/// Parts with curved sides and creases, as fandisk and rocker arms have them, about 1,500 to 6,000 faces each.
+inline std::vector<Part> curved_parts() {
+  const auto all = [](int, int, int) { return false; };
+  Outline stadium, sector, half, arm;
+  add_arc(stadium, 1, 0, 0.6, -90, 90, 30);
+  add_side(stadium, -1, 0.6, 30);
+  add_arc(stadium, -1, 0, 0.6, 93, 270, 29);
+  add_side(stadium, 1, -0.6, 30);
+  sector.push_back({0, 0});
+  add_side(sector, 1, 0, 20);
+  add_arc(sector, 0, 0, 1, 3, 90, 29);
+  add_side(sector, 0, 0, 20);
+  add_arc(half, 0, 0, 1, 0, 180, 60);
+  add_side(half, 1, 0, 40);
+  // Two circles and the tangents of both.
+  const double tilt = std::acos((0.8 - 0.5) / 2.6) * 180 / pi<double>;
+  add_arc(arm, 1.4, 0, 0.5, -tilt, tilt, 30);
+  add_side(arm, -1.2 + 0.8 * std::cos(tilt * pi<double> / 180), 0.8 * std::sin(tilt * pi<double> / 180), 40);
+  add_arc(arm, -1.2, 0, 0.8, tilt + 4, 360 - tilt, 52);
+  add_side(arm, arm[0][0], arm[0][1], 40);
+  const MeshData bar = blocks(cells(4, 1, 1, all), 8);
+  return {
+      {"rocker arm", extrude(radial_plate(arm, 0, 0, 12), 0.6, 8)},
+      {"stadium", extrude(radial_plate(stadium, 0, 0, 10), 0.5, 7)},
+      {"fandisk-like sector", deformed(extrude(radial_plate(sector, 0.4, 0.4, 10), 0.8, 14),
+                                       [](Eigen::RowVector3d p) -> Eigen::RowVector3d {
+                                         p[2] *= 1 + 0.3 * p[0] * p[0];
+                                         return p;
+                                       })},
+      {"half cylinder", extrude(radial_plate(half, 0, 0.4, 12), 1.2, 20)},
+      {"bent bar", deformed(bar,
+                            [](const Eigen::RowVector3d& p) -> Eigen::RowVector3d {
+                              const double angle = p[0] / 4 * pi<double> / 2, r = 2 + p[1];
+                              return {r * std::sin(angle), r * std::cos(angle), p[2]};
+                            })},
+      {"twisted bar",
+       deformed(bar,
+                [](const Eigen::RowVector3d& p) -> Eigen::RowVector3d {
+                  const double angle = p[0] / 4 * pi<double> / 4, y = p[1] - 0.5, z = p[2] - 0.5;
+                  return {p[0], y * std::cos(angle) - z * std::sin(angle), y * std::sin(angle) + z * std::cos(angle)};
+                })},
+      {"tapered block", deformed(blocks(cells(2, 2, 1, all), 8),
+                                 [](Eigen::RowVector3d p) -> Eigen::RowVector3d {
+                                   const double narrow = 1 - 0.2 * p[2];
+                                   return {1 + narrow * (p[0] - 1), 1 + narrow * (p[1] - 1), p[2]};
+                                 })},
+      {"plate with a round hole", extrude(plate_with_hole(0.4, 5, 7), 0.3, 3)},
+      {"washer", extrude(ring_plate(0.5, 60, 6), 0.2, 2)},
+      {"stepped shaft",
+       revolve({{0, 0}, {0.5, 0}, {0.5, 1}, {0.8, 1}, {0.8, 1.8}, {0.3, 1.8}, {0.3, 2.6}, {0, 2.6}}, 48)},
+      {"frustum", revolve({{0, 0}, {1, 0}, {0.5, 1.2}, {0, 1.2}}, 48)},
   };
 }
 

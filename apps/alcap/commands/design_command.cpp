@@ -13,6 +13,7 @@
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/design_options.h"
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/options/tolerance_options.h"
 #include "apps/alcap/report/design_report.h"
 #include "apps/alcap/report/field_files.h"
 #include "apps/alcap/report/flags.h"
@@ -43,7 +44,7 @@ struct DesignOptionsGiven {
   FilesChoice files = {};
   ShowOptions show = {};
   std::string solver = "auto";
-  DesignRunOptions run = {};  // its triangulation
+  DesignRunOptions run = {};  // its triangulation and tolerances
   bool unit = false;
   bool explain = false;
 };
@@ -51,7 +52,8 @@ struct DesignOptionsGiven {
 /// What was read: the design as asked for, and the mesh, after repairs.
 struct Inputs {
   DesignFile design;
-  MeshFile file;  // its points and faces are in the surface
+  DesignFile solved;  // the same, with the edges of a file of features
+  MeshFile file;      // its points and faces are in the surface
   Surface surface;
   std::vector<Remark> remarks;
   double read_seconds = 0, mesh_seconds = 0;
@@ -62,9 +64,16 @@ Inputs read_inputs(const DesignOptionsGiven& options, Progress& progress) {
   Inputs in;
   in.design = make_design(options.flags);
   if (!in.design.guidance.file.empty()) in.design.guidance.file = std::filesystem::absolute(in.design.guidance.file);
+  if (!in.design.features.file.empty()) in.design.features.file = std::filesystem::absolute(in.design.features.file);
   progress.phase(fmt::format("reading {}", options.mesh.path.string()));
   in.file = read_choice(options.mesh);
   in.read_seconds = watch.lap();
+  in.solved = in.design;
+  if (!in.design.features.file.empty()) {
+    // By the faces of the mesh as it was read: repairs may number them anew.
+    in.solved.features.edges = read_feature_edges(in.file.F, in.file.V.rows(), in.design.features.file);
+    in.solved.features.file.clear();
+  }
   in.surface = make_surface(options.mesh, in.file, in.remarks);
   for (Remark& r : mesh_remarks(in.surface)) in.remarks.push_back(std::move(r));
   in.mesh_seconds = watch.lap();
@@ -76,7 +85,7 @@ Outcome explain(const DesignOptionsGiven& options, const Inputs& in) {
   outcome.report["input"] = input_json(options.mesh.path, in.file);
   outcome.report["mesh"] = mesh_json(in.surface);
   outcome.report["design"] = design_json(in.design);
-  outcome.report["plan"] = plan_json(plan_design(in.design, in.surface), in.surface.mesh());
+  outcome.report["plan"] = plan_json(plan_design(in.solved, in.surface), in.surface.mesh());
   outcome.report["warnings"] = remarks_json(in.remarks, true);
   outcome.report["notes"] = remarks_json(in.remarks, false);
   outcome.text = plan_text(outcome.report["plan"]);
@@ -97,7 +106,7 @@ DesignRun solve(const DesignOptionsGiven& options, const Inputs& in, Progress& p
     how.solver = options.solver;
     how.normalise = options.unit;
     how.progress = [&](std::string_view phase) { progress.phase(phase_text(phase)); };
-    return run_design(in.surface, in.design, how);
+    return run_design(in.surface, in.solved, how);
   } catch (const OptionError& e) {
     // It is the mesh that has no such field.
     if (e.field() == "/guidance/field") throw Failure(Exit::input, e.what());
@@ -142,7 +151,8 @@ Outcome run(const DesignOptionsGiven& options, const Common& common, Progress& p
     write_design(folder / "design.json", in.design);
     return std::vector<std::string>{"design.json"};
   };
-  write_files(plan, options.files, output, nullptr, write_asked,
+  const FeatureGraph* const features = result.features ? &result.features->graph : nullptr;
+  write_files(plan, options.files, output, features, write_asked,
               [&](const std::vector<std::string>& files) -> const Json& {
                 report["times"] = times_json(in, result.times, writing.seconds(), total.seconds());
                 report["peak_memory_bytes"] = peak_memory_bytes();
@@ -170,6 +180,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
   add_mesh_options(app, options->mesh);
   add_lengths_option(app, options->mesh);
   add_design_options(app, options->flags);
+  add_tolerance_options(app, options->run.tolerances);
   add_files_options(app, options->files);
   add_show_options(app, options->show);
   app.add_flag("--unit,--normalise,--direction", options->unit,

@@ -21,6 +21,7 @@
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/report.h"
 #include "src/base/clock.h"
+#include "src/base/index_text.h"
 
 namespace alcap::app {
 namespace field_parts {
@@ -53,7 +54,7 @@ struct FieldOptions {
   ShowOptions show = {};
   SizingChoice sizing = {};
   BatchChoice batch = {};
-  std::filesystem::path features = {};  // a .sharp file
+  FeatureFlags features = {};
 };
 
 /// Time and memory of the dense method, said before they are spent.
@@ -78,18 +79,6 @@ std::string phase_text(std::string_view phase, std::int64_t faces) {
                                                       {"analysis", "locating singularities"}};
   const auto found = words.find(phase);
   return fmt::format("{} ({} faces)", found == words.end() ? std::string(phase) : found->second, grouped(faces));
-}
-
-/// What is known about the field being the smoothest.
-std::string smallest_text(const Json& report) {
-  const auto word = report["certificate"]["smallest"].get<std::string>();
-  const bool alone = report["components"].size() == 1;
-  const Json& eigen = report["eigen"];
-  if (word == "proven")
-    return alone ? fmt::format("proven: no eigenvalue lies below {:.7g}", eigen["lower_bound"].get<double>())
-                 : "proven on every component";
-  const auto note = eigen["smallest_note"].get<std::string>();
-  return word + (note.empty() || !alone ? "" : fmt::format(" ({})", note));
 }
 
 /// Clusters in braces.
@@ -119,7 +108,13 @@ std::string summary(const FieldOptions& options, const Json& report) {
        fmt::format("{}: D_T {}, D_E {}, {} iterations", connection["kind"].get<std::string>(),
                    short_text(connection["D_T"]), short_text(connection["D_E"]), count(connection["iterations"])));
   if (report.contains("triangulation")) text += triangulation_summary(report["triangulation"]);
-  if (report.contains("alignment")) text += alignment_summary(report["alignment"], n);
+  if (report.contains("alignment")) {
+    const Json& alignment = report["alignment"];
+    line("field",
+         fmt::format("n = {}, {} features: {} steps, {}", n, alignment["across"].get<bool>() ? "across" : "along",
+                     count(alignment["steps"]), alignment["settled"].get<bool>() ? "settled" : "not settled"));
+    text += alignment_summary(alignment);
+  }
   if (!eigen.is_null()) {
     const std::string next = eigen["next"].is_null() ? "" : fmt::format(" (next {})", short_text(eigen["next"]));
     line("field", fmt::format("n = {}, eigenvalue {}{}, residual {}, {}", n, short_text(eigen["lambda"]), next,
@@ -127,13 +122,13 @@ std::string summary(const FieldOptions& options, const Json& report) {
     if (!eigen["angle_degrees"].is_null())
       line("directions", fmt::format("off by {} degrees at most, as root mean square ({})",
                                      short_text(eigen["angle_degrees"]), eigen["angle_check"].get<std::string>()));
-    line("smallest", smallest_text(report));
+    line("smallest", smallest_text(report["certificate"], eigen, report["components"].size() == 1));
     if (report.contains("modes")) line("modes", modes_text(report["modes"]));
   }
   line("singularities", fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}",
                                     count(singular["count"]), count(singular["positive"]), count(singular["negative"]),
-                                    turns_text(singular["index_sum"].get<std::int64_t>(), n),
-                                    turns_text(singular["expected"].get<std::int64_t>(), n)));
+                                    detail::turns_text(singular["index_sum"].get<std::int64_t>(), n),
+                                    detail::turns_text(singular["expected"].get<std::int64_t>(), n)));
   std::string phases;
   for (const auto& [phase, seconds] : times.items()) {
     if (phase != "total")
@@ -156,20 +151,6 @@ FieldRun run_on(FieldOptions& options, MeshFile& file) {
   FieldRun run = run_field(surface, without_repairs);
   run.remarks.insert(run.remarks.begin(), remarks.begin(), remarks.end());
   return run;
-}
-
-/// The edges that a .sharp file lists, or the lines or edges of a mesh file with the same vertices.
-std::vector<std::array<Index, 2>> read_features(const MeshFile& mesh, const std::filesystem::path& path) {
-  if (path.extension() == ".sharp") return read_sharp(mesh.F, path);
-  const MeshFile other = read_mesh(path);
-  if (other.V.rows() != mesh.V.rows())
-    throw FileError(fmt::format("{}: has {} vertices, and the mesh {}; edges of features are named by them",
-                                path.string(), other.V.rows(), mesh.V.rows()),
-                    path.string());
-  if (other.edges.empty())
-    throw FileError(path.string() + ": lists no edges; an OBJ has them as \"l\", a PLY as elements \"edge\"",
-                    path.string());
-  return other.edges;
 }
 
 /// mode-1.EXT ... for every format asked for, numbered as in the report; the names of the files.
@@ -231,7 +212,8 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
 
   if (options.run.eigen.method == "dense" && !common.quiet) warn_of_dense(file.V.rows(), progress);
   options.run.progress = [&](std::string_view phase) { progress.phase(phase_text(phase, faces)); };
-  if (!options.features.empty()) options.run.align->edges = read_features(file, options.features);
+  if (!options.features.file.empty())
+    options.run.align->edges = read_feature_edges(file.F, file.V.rows(), options.features.file);
   const FieldRun result = run_on(options, file);
 
   const FieldOutput output = output_of(result, options.run.normalise);
@@ -269,7 +251,7 @@ Outcome run(FieldOptions options, const Common& common, Progress& progress) {
   return outcome;
 }
 
-/// What belongs to one mesh does not go with a batch.
+/// Options of one mesh cannot be combined with a batch.
 void refuse_with_batch(const FieldOptions& options) {
   const auto refuse = [](bool given, const char* option) {
     if (given)
@@ -278,7 +260,7 @@ void refuse_with_batch(const FieldOptions& options) {
   refuse(!options.mesh.lengths.empty(), "--lengths");
   refuse(options.files.reader.has_value(), "--for");
   refuse(!options.sizing.file.empty(), "--sizing");
-  refuse(!options.features.empty(), "--features");
+  refuse(!options.features.file.empty(), "--features");
   refuse(options.run.modes > 1, "--modes");
   refuse(!options.show.html.empty(), "--html");
   refuse(!options.show.picture.file.empty(), "--png");
@@ -317,27 +299,22 @@ void add_alignment_options(cli::App& app, FieldOptions& options) {
          },
          "The same along the boundary alone")
       ->group("Alignment");
-  app.add_option_function<std::string>(
-         "--features",
-         [align, &options](const std::string& file) {
-           (void)align();
-           options.features = file;
-         },
-         "The same along the edges that a .sharp file lists, or the lines (l) of an OBJ or edges of a PLY with the "
-         "same "
-         "vertices, which may be MESH")
-      ->type_name("FILE")
-      ->check([](const std::string& text) { return std::string(text.empty() ? "the name is empty" : ""); })
-      ->group("Alignment");
-  app.add_flag_function(
-         "--align-across", [align](std::int64_t) { align().across = true; }, "Across those edges, not along them")
-      ->group("Alignment");
-  app.add_option_function<double>(
-         "--align-weight", [align](double weight) { align().weight = weight; },
-         "Draw the field along, with this weight, instead of holding it; 1 is that of a stroke")
-      ->type_name("X")
-      ->check(cli::PositiveNumber)
-      ->group("Alignment");
+  add_feature_options(app, options.features,
+                      "Draw the field along, with this weight, instead of holding it; 1 is that of a stroke");
+}
+
+/// What the flags say of features goes into the run's alignment.
+void take_features(FieldOptions& options) {
+  const FeatureFlags& flags = options.features;
+  if (!flags.any()) return;
+  FieldAlignment& align = options.run.align ? *options.run.align : options.run.align.emplace();
+  constexpr double degree = pi<double> / 180;
+  align.across = flags.across;
+  if (flags.weight) align.weight = *flags.weight;
+  if (flags.corner_angle) align.features.corner_angle = *flags.corner_angle * degree;
+  if (flags.low_angle) align.features.low_angle = *flags.low_angle * degree;
+  if (flags.gap) align.features.gap = *flags.gap;
+  if (flags.spur) align.features.spur = *flags.spur;
 }
 
 std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
@@ -374,9 +351,10 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->check(cli::Range(1, 1000))
       ->group("Solver");
   return [options](const Common& common, Progress& progress) {
+    take_features(*options);
     if (!options->batch.list.empty()) return run_batch_of(*options, common);
     if (!options->batch.lines.empty() || options->batch.jobs != 0)
-      throw Failure(Exit::usage, "--lines and --jobs go with --batch", {{"option", "--batch"}});
+      throw Failure(Exit::usage, "--lines and --jobs need --batch", {{"option", "--batch"}});
     if (options->mesh.path.empty()) throw Failure(Exit::usage, "mesh is required (see alcap field --help)");
     return run(*options, common, progress);
   };

@@ -13,6 +13,7 @@
 #include "apps/alcap/options/shared_options.h"
 #include "apps/alcap/report/flags.h"
 #include "apps/alcap/report/outputs.h"
+#include "apps/alcap/report/printable.h"
 #include "apps/alcap/report/report.h"
 #include "apps/alcap/report/statistics.h"
 
@@ -149,7 +150,8 @@ std::string summary(const Json& report) {
 
 /// The command that computes a field after these repairs, besides those that were asked for.
 std::string command_with(const MeshChoice& choice, const std::vector<std::string>& repairs) {
-  std::string command = "alcap field '" + choice.path.string() + "'";
+  std::string command = "alcap field " + shell_file(choice.path);
+  if (!choice.format.empty()) command += " --input-format " + shell_word(choice.format);
   for (const Repair r : choice.repair.repairs) {
     const bool near = r == Repair::weld && choice.repair.weld_tolerance > 0;
     command += " --repair " + std::string(name(r)) + (near ? fmt::format(":{}", choice.repair.weld_tolerance) : "");

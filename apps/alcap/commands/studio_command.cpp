@@ -5,11 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -18,9 +15,11 @@
 #include "apps/alcap/commands/commands.h"
 #include "apps/alcap/options/cli.h"
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/options/tolerance_options.h"
 #include "apps/alcap/page/html_page.h"
 #include "apps/alcap/report/outputs.h"
 #include "apps/alcap/report/printable.h"
+#include "apps/alcap/studio/passing_file.h"
 #include "apps/alcap/studio/studio_server.h"
 #include "src/base/atomic_file.h"
 
@@ -40,8 +39,9 @@ struct StudioOptions {
   MeshChoice mesh = {};
   std::filesystem::path design = {};  // beside the mesh
   int n = 4;                          // as alcap field
-  int port = 0;                       // any
-  bool quiet_start = false;           // --no-open
+  ControlTolerances tolerances = {};
+  int port = 0;              // any
+  bool quiet_start = false;  // --no-open
 };
 
 DesignFile start_design(const StudioOptions& options, const std::filesystem::path& file) {
@@ -52,29 +52,6 @@ DesignFile start_design(const StudioOptions& options, const std::filesystem::pat
   // Edits change the smoothest field around them and leave it elsewhere.
   design.guidance.source = DesignGuidance::Source::smoothest;
   return design;
-}
-
-// The page with the token, for a signal that ends the program; empty: none.
-char page_file[4096] = "";
-std::atomic<bool> page_there{false};
-
-void remove_page() {
-  if (page_there.exchange(false)) ::unlink(page_file);
-}
-
-/// The signals that end the studio remove the page first.
-void remove_page_at_end() {
-  for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
-    struct sigaction before = {}, act = {};
-    ::sigaction(number, nullptr, &before);
-    if (before.sa_handler == SIG_IGN) continue;
-    act.sa_handler = [](int signal_number) {
-      remove_page();
-      ::raise(signal_number);  // as it would have ended: the handler is gone by now
-    };
-    act.sa_flags = SA_RESETHAND | SA_NODEFER;
-    ::sigaction(number, &act, nullptr);
-  }
 }
 
 /// Starts the browser, which init looks after.
@@ -94,24 +71,21 @@ void start_browser(const char* page) {
 
 /// Opens the page through a file that only this user can read: a command line is seen by everybody. The file goes when
 /// the page is there, or after a while.
-void open_browser(const std::string& url) {
+void open_browser(const std::string& url, const std::shared_ptr<PassingFile>& file) {
   std::string name = (std::filesystem::temp_directory_path() / "alcap-studio-XXXXXX.html").string();
   const int descriptor = ::mkstemps(name.data(), 5);
   if (descriptor < 0) return;
   const std::string page = "<!doctype html><meta http-equiv=refresh content=\"0;url=" + html_escaped(url) + "\">";
   const bool written = ::write(descriptor, page.data(), page.size()) == static_cast<ssize_t>(page.size());
   ::close(descriptor);
-  if (!written || name.size() >= sizeof page_file) {
+  if (!file->hold(name) || !written) {
     ::unlink(name.c_str());
     return;
   }
-  std::copy(name.begin(), name.end() + 1, page_file);
-  page_there = true;
-  remove_page_at_end();
-  start_browser(page_file);
-  std::thread([] {
+  start_browser(name.c_str());
+  std::thread([file] {
     std::this_thread::sleep_for(std::chrono::seconds(60));
-    remove_page();
+    file->remove();
   }).detach();
 }
 
@@ -126,10 +100,12 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
   std::vector<Remark> remarks;
   const Surface surface = make_surface(options.mesh, mesh, remarks);
   progress.phase("finding the first field");
-  StudioSession session(surface, start_design(options, file), file);
+  remove_passing_files_at_signals();
+  const auto page = std::make_shared<PassingFile>();
+  StudioSession session(surface, start_design(options, file), file, options.tolerances);
   progress.clear();
   serve_studio(
-      session, {.port = options.port, .title = options.mesh.path.stem().string(), .opened = [] { remove_page(); }},
+      session, {.port = options.port, .title = options.mesh.path.stem().string(), .opened = [page] { page->remove(); }},
       [&](const std::string& url) {
         // Said here and not at the end: there is no end.
         if (common.json) {
@@ -142,7 +118,7 @@ Outcome run(const StudioOptions& options, const Common& common, Progress& progre
               stdout);
         }
         (void)std::fflush(stdout);
-        if (!options.quiet_start) open_browser(url);
+        if (!options.quiet_start) open_browser(url, page);
       });
   return {.report = Json::object()};
 }
@@ -158,6 +134,7 @@ std::function<Outcome(const Common&, Progress&)> attach(cli::App& app) {
       ->type_name("N")
       ->capture_default_str()
       ->check(cli::Range(1, 1000));
+  add_tolerance_options(app, options->tolerances);
   app.add_option("--port", options->port, "Port on 127.0.0.1; 0 for any that is free")
       ->type_name("PORT")
       ->check(cli::Range(0, 65535));

@@ -275,19 +275,48 @@ void add_alignment_options(cli::App& app, DesignFlags& flags) {
          "--align-boundary", [&flags](std::int64_t) { flags.boundary = {.wanted = true}; },
          "The field runs along the boundary")
       ->group("Controls");
-  app.add_option_function<std::string>(
-         "--align-features",
-         [&flags](const std::string& text) {
-           flags.features = {.wanted = true, .angle = feature_angle(text) * 180 / pi<double>};
-         },
-         "Strokes along all edges that fold by ANGLE degrees (default 40); after MESH, or with =ANGLE")
-      ->type_name("ANGLE")
-      ->expected(0, 1)
-      ->group("Controls");
   app.add_flag_function(
          "--align-boundary-normal", [&flags](std::int64_t) { flags.boundary = {.wanted = true, .normal = true}; },
          "The field runs into the boundary at a right angle")
       ->group("Controls");
+}
+
+void add_features(cli::App& app, DesignFlags& flags) {
+  app.add_option_function<std::string>(
+         "--align-features",
+         [&flags](const std::string& text) { flags.features_angle = feature_angle(text) * 180 / pi<double>; },
+         "A field of even n drawn along all edges that fold by ANGLE degrees (default 40), by a stroke along each "
+         "line; "
+         "after MESH, or with =ANGLE")
+      ->type_name("ANGLE")
+      ->expected(0, 1)
+      ->group("Alignment");
+  app.add_flag("--align-hold", flags.hold, "Hold the directions at the vertices of features, instead of drawing alone")
+      ->group("Alignment");
+  app.add_flag("--feature-boundary", flags.feature_boundary, "Edges of the boundary are features too")
+      ->group("Alignment");
+  add_feature_options(app, flags.features,
+                      "How strongly features draw; with --align-hold, how strongly lengths along them are drawn to 1");
+}
+
+/// What the flags say of features, on top of the design file's.
+void take_features(const DesignFlags& flags, DesignFeatures& features) {
+  const FeatureFlags& f = flags.features;
+  if (!flags.features_angle && !flags.hold && !flags.feature_boundary && !f.any()) return;
+  features.wanted = true;
+  if (flags.features_angle || !f.file.empty()) {
+    features.file = f.file.empty() ? f.file : std::filesystem::absolute(f.file);
+    features.edges.clear();
+  }
+  if (flags.features_angle) features.angle = *flags.features_angle;
+  features.hold = features.hold || flags.hold;
+  features.across = features.across || f.across;
+  features.boundary = features.boundary || flags.feature_boundary;
+  features.weight = f.weight.value_or(features.weight);
+  features.corner_angle = f.corner_angle.value_or(features.corner_angle);
+  features.low_angle = f.low_angle.value_or(features.low_angle);
+  features.gap = f.gap.value_or(features.gap);
+  features.spur = f.spur.value_or(features.spur);
 }
 
 void add_method_options(cli::App& app, DesignFlags& flags) {
@@ -348,6 +377,7 @@ void add_design_options(cli::App& app, DesignFlags& flags) {
   add_singularity_options(app, flags);
   add_constraint_options(app, flags);
   add_alignment_options(app, flags);
+  add_features(app, flags);
   add_method_options(app, flags);
   add_connection_options(app, flags.connection);
   flags.count = [&app](const char* option) { return app.get_option(option)->count(); };
@@ -360,7 +390,7 @@ DesignFile make_design(const DesignFlags& flags) {
   if (flags.count("--method") > 0) design.method = flags.method;
   if (flags.count("--energy") > 0) design.s = flags.s;
   if (flags.boundary.wanted) design.boundary = flags.boundary;
-  if (flags.features.wanted) design.features = flags.features;
+  take_features(flags, design.features);
   if (flags.count("--cones") > 0) design.connection.balance = true;
   take_connection(flags, design.connection);
   if (flags.guidance) design.guidance = *flags.guidance;
@@ -373,7 +403,7 @@ DesignFile make_design(const DesignFlags& flags) {
   if (const std::vector<double>& x = flags.relative_to; !x.empty() && (!std::all_of(x.begin(), x.end(), [](double c) {
         return std::isfinite(c);
       }) || std::all_of(x.begin(), x.end(), [](double c) { return c == 0; })))
-    throw Failure(Exit::usage, fmt::format("--relative-to: {},{},{} is no direction", x[0], x[1], x[2]),
+    throw Failure(Exit::usage, fmt::format("--relative-to: {},{},{} is not a direction", x[0], x[1], x[2]),
                   {{"option", "--relative-to"}});
   for (DesignSingularity s : flags.singularities) {
     s.strength = flags.strength;

@@ -11,6 +11,7 @@
 
 #include "alcap/design_file.h"
 #include "apps/alcap/commands/command.h"
+#include "apps/alcap/options/shared_options.h"
 
 namespace alcap::app {
 
@@ -23,7 +24,9 @@ struct DesignFlags {
   std::vector<DesignFixed> fixed = {};
   std::vector<std::string> strokes = {};  // FILE[:WEIGHT]
   DesignBoundary boundary = {};
-  DesignFeatures features = {};
+  std::optional<double> features_angle = {};  // degrees; given: --align-features
+  bool hold = false, feature_boundary = false;
+  FeatureFlags features = {};
   DesignMethod method = DesignMethod::variational;
   double s = 0;
   std::optional<DesignGuidance> guidance = {};

@@ -2,6 +2,7 @@
 //
 // shared_options.cpp: groups of options that several subcommands have.
 #include "apps/alcap/options/shared_options.h"
+#include "apps/alcap/options/prove_option.h"
 
 #include <algorithm>
 #include <charconv>
@@ -11,35 +12,10 @@
 #include "alcap/design_file.h"
 #include "alcap/solve.h"
 #include "apps/alcap/options/cli.h"
+#include "apps/alcap/options/cone_options.h"
 
 namespace alcap::app {
 namespace {
-
-/// A whole number, or a decimal one, that is all of `text`. Throws cli::ValidationError.
-template <class T>
-T parse_number(const std::string& whole, const std::string& text, const char* option = "--cone",
-               const char* form = "VERTEX:INDEX, such as 12:1/4 or 7:-0.5") {
-  T value{};
-  const char* const end = text.data() + text.size();
-  const char* const begin = text.data() + (text.starts_with('+') ? 1 : 0);
-  const auto [stop, error] = std::from_chars(begin, end, value);
-  if (error != std::errc() || stop != end) {
-    throw cli::ValidationError(option, whole + " should be " + form);
-  }
-  return value;
-}
-
-/// "12:1/4", "12:+1", "12:-0.25"
-Cone parse_cone(const std::string& text) {
-  const std::size_t colon = std::min(text.find(':'), text.size());
-  const std::string index = colon < text.size() ? text.substr(colon + 1) : "";
-  const std::size_t slash = std::min(index.find('/'), index.size());
-  Cone cone{.vertex = parse_number<Index>(text, text.substr(0, colon)),
-            .index = parse_number<double>(text, index.substr(0, slash))};
-  if (slash < index.size()) cone.index /= parse_number<Index>(text, index.substr(slash + 1));
-  if (!std::isfinite(cone.index)) throw cli::ValidationError("--cone", text + " has no finite index");
-  return cone;
-}
 
 void add_repair(const std::string& text, RepairOptions& repair) {
   constexpr std::string_view tolerance = "weld:";
@@ -67,8 +43,38 @@ double feature_angle(const std::string& text) {
   double degrees = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), degrees);
   if (error != std::errc() || stop != text.data() + text.size() || !(degrees > 0 && degrees <= 180))
-    throw cli::ValidationError("--align-features", text + " is no angle in degrees, above 0 and at most 180");
+    throw cli::ValidationError("--align-features", text + " is not an angle in degrees, above 0 and at most 180");
   return degrees * pi<double> / 180;
+}
+
+void add_feature_options(cli::App& app, FeatureFlags& flags, const char* weight) {
+  constexpr const char* group = "Alignment";
+  app.add_option_function<std::string>(
+         "--features", [&flags](const std::string& file) { flags.file = file; },
+         "Features are the edges that a .sharp file lists, or the lines (l) of an OBJ or edges of a PLY with the same "
+         "vertices, which may be MESH")
+      ->type_name("FILE")
+      ->check([](const std::string& text) { return std::string(text.empty() ? "the name is empty" : ""); })
+      ->group(group);
+  app.add_flag("--align-across", flags.across, "Across features, not along them")->group(group);
+  const auto number = [&](const char* name, std::optional<double>& value, const char* type, const char* help) {
+    return app
+        .add_option_function<double>(
+            name, [&value](double x) { value = x; }, help)
+        ->type_name(type)
+        ->group(group);
+  };
+  number("--align-weight", flags.weight, "X", weight)->check(cli::PositiveNumber);
+  number("--feature-corner-angle", flags.corner_angle, "ANGLE",
+         "Lines of features that turn by ANGLE degrees or more break there (default 40)")
+      ->check(cli::Range(1e-9, 180.0));
+  number("--feature-low-angle", flags.low_angle, "ANGLE",
+         "Edges that fold by ANGLE degrees are features as well where they are joined to sharper ones")
+      ->check(cli::Range(1e-9, 180.0));
+  number("--feature-gap", flags.gap, "LENGTH", "Ends of feature lines this close to others are joined to them")
+      ->check(cli::PositiveNumber);
+  number("--feature-spur", flags.spur, "LENGTH", "Feature lines with an end that are shorter are removed")
+      ->check(cli::PositiveNumber);
 }
 
 void add_mesh_options(cli::App& app, MeshChoice& choice) {
@@ -149,40 +155,6 @@ void add_remarks(const std::vector<RepairStep>& steps, std::vector<Remark>& rema
         {.code = step.code, .warning = false, .message = step.message, .count = step.count, .first = step.first});
 }
 
-namespace {
-
-/// Cones make a connection trivial unless it is metric.
-void imply_cones(ConnectionOptions& options) {
-  if (options.kind != ConnectionKind::metric) options.kind = ConnectionKind::trivial;
-}
-
-/// "0.25", "-1/4"
-double parse_turns(const char* option, const std::string& text) {
-  const std::size_t slash = std::min(text.find('/'), text.size());
-  double turns = parse_number<double>(text, text.substr(0, slash), option, "a number of turns, such as 0.25 or -1/4");
-  if (slash < text.size())
-    turns /= parse_number<Index>(text, text.substr(slash + 1), option, "a number of turns, such as 0.25 or -1/4");
-  if (!std::isfinite(turns)) throw cli::ValidationError(option, text + " is not finite");
-  return turns;
-}
-
-void add_turns(cli::App& app, const char* option, ConnectionOptions& options,
-               std::vector<double> ConnectionOptions::*values, const char* help) {
-  app.add_option_function<std::vector<std::string>>(
-         option,
-         [&options, option, values](const std::vector<std::string>& texts) {
-           for (const std::string& t : texts) (options.*values).push_back(parse_turns(option, t));
-           imply_cones(options);
-         },
-         help)
-      ->type_name("TURNS")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->group("Connection");
-}
-
-}  // namespace
-
 void add_connection_options(cli::App& app, ConnectionOptions& options) {
   app.add_option_function<std::string>(
          "--connection",
@@ -199,18 +171,7 @@ void add_connection_options(cli::App& app, ConnectionOptions& options) {
       ->check(cli::IsMember({"global", "local", "polar", "polar-barycenter", "trivial", "metric"}))
       ->default_str("global")
       ->group("Connection");
-  app.add_option_function<std::vector<std::string>>(
-         "--cone",
-         [&options](const std::vector<std::string>& cones) {
-           for (const std::string& c : cones) options.cones.push_back(parse_cone(c));
-           imply_cones(options);
-         },
-         "Of the trivial connection (which it implies) and of metric: the field's index at a vertex, as VERTEX:1/4. "
-         "Repeat it; on a closed surface the indices must sum to the Euler characteristic")
-      ->type_name("CONE")
-      ->delimiter(',')
-      ->allow_extra_args(false)
-      ->group("Connection");
+  add_cone_option(app, options.kind, options.cones);
   app.add_option_function<std::string>(
          "--cones",
          [&options](const std::string&) {
@@ -222,10 +183,10 @@ void add_connection_options(cli::App& app, ConnectionOptions& options) {
       ->type_name("auto-balance")
       ->check(cli::IsMember({"auto-balance"}))
       ->group("Connection");
-  add_turns(app, "--holonomy", options, &ConnectionOptions::generator_holonomy,
-            "Of trivial and metric: turns around each of the 2 genus generators of homology; default the least change");
-  add_turns(app, "--loop-index", options, &ConnectionOptions::loop_index,
-            "Of trivial and metric: index of each boundary loop, in turns; default the least change");
+  add_turns_option(
+      app, "--holonomy", options.kind, options.generator_holonomy,
+      "Of trivial and metric: turns around each of the 2 genus generators of homology; default the least change");
+  add_turns_option(app, "--loop-index", options.kind, options.loop_index, loop_index_help);
   app.add_option_function<std::string>(
          "--target",
          [&options](const std::string& path) {
@@ -337,12 +298,7 @@ void add_eigen_options(cli::App& app, EigenOptions& options) {
       ->capture_default_str()
       ->check(cli::PositiveNumber)
       ->group("Solver");
-  app.add_flag_function(
-         "--prove,!--no-prove",
-         [&options](std::int64_t count) { options.prove_smallest = count > 0 ? Prove::always : Prove::never; },
-         "Prove that no smaller eigenvalue exists, whatever the size, or do not; without either, where the proof "
-         "costs less than the solve")
-      ->group("Solver");
+  add_prove_option(app, options.prove_smallest);
 }
 
 }  // namespace alcap::app

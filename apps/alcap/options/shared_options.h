@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,23 @@ void add_remarks(const std::vector<RepairStep>& steps, std::vector<Remark>& rema
 /// The angle of "--align-features", in radians: of the text in degrees, or the default where it is empty. Throws
 /// cli::ValidationError.
 [[nodiscard]] double feature_angle(const std::string& text);
+
+/// What is said of features besides --align-features; nothing where a flag was not given.
+struct FeatureFlags {
+  std::filesystem::path file = {};  // of edges
+  bool across = false;
+  std::optional<double> weight = {};
+  std::optional<double> corner_angle = {}, low_angle = {};  // degrees
+  std::optional<double> gap = {}, spur = {};                // in the unit of length of the mesh
+
+  [[nodiscard]] bool any() const {
+    return !file.empty() || across || weight || corner_angle || low_angle || gap || spur;
+  }
+};
+
+/// Adds --features, --align-across, --align-weight, --feature-corner-angle, --feature-low-angle, --feature-gap and
+/// --feature-spur. `weight`: what that of --align-weight does.
+void add_feature_options(cli::App& app, FeatureFlags& flags, const char* weight);
 
 /// Adds --connection, --cone, --cones, --holonomy, --loop-index, --target and --hold-curvature, which say what
 /// connection it is, and those of add_weight_options().

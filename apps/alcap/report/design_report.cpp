@@ -10,6 +10,7 @@
 #include <complex>
 
 #include "apps/alcap/report/report.h"
+#include "src/base/index_text.h"
 #include "src/base/numbers.h"
 
 namespace alcap::app {
@@ -39,6 +40,8 @@ const char* type_name(DesignOutcome::Type type) {
       return "boundary";
     case DesignOutcome::Type::cone:
       return "cone";
+    case DesignOutcome::Type::features:
+      return "features";
   }
   return "";
 }
@@ -55,10 +58,15 @@ void singularity(const DesignRun& run, const DesignOutcome& outcome, Json& json)
   json["asked"] = {{"kind", name(s.kind)},
                    {"face", s.face},
                    {"index", target.sign * target.count},
+                   {"index_nths", target.sign * target.count},
                    {"angle_degrees", number(asked)},
                    {"strength", number(s.strength)},
                    {"pin", target.pin ? triple(*target.pin) : Json(nullptr)}};
-  json["achieved"] = {{"index", outcome.index}, {"angle_degrees", nullptr}, {"barycentric", nullptr}, {"xyz", nullptr}};
+  json["achieved"] = {{"index", outcome.index},
+                      {"index_nths", outcome.index},
+                      {"angle_degrees", nullptr},
+                      {"barycentric", nullptr},
+                      {"xyz", nullptr}};
   if (outcome.found && target.count == 1) {
     const double period = 360.0 / symmetry(run.design.n, outcome.found->index);
     json["achieved"]["angle_degrees"] = number(nearest_angle(outcome.found->orientation * degrees, asked, period));
@@ -91,19 +99,24 @@ void cone(const DesignRun& run, const DesignOutcome& outcome, Json& json) {
   json["achieved"] = {{"index", number(outcome.cone_index)}};
 }
 
-std::string control_text(const Json& c) {
+std::string control_text(const Json& c, int n) {
   const Json& asked = c["asked"];
   const std::string type = c["type"];
   if (type == "singularity")
     return fmt::format("{} (index {}) in face {}, angle {:.4g}, strength {:.4g}{}", asked["kind"].get<std::string>(),
-                       asked["index"].get<int>(), asked["face"].get<Index>(), asked["angle_degrees"].get<double>(),
-                       asked["strength"].get<double>(), asked["pin"].is_null() ? "" : ", pinned");
+                       detail::turns_text(asked["index_nths"].get<int>(), n), asked["face"].get<Index>(),
+                       asked["angle_degrees"].get<double>(), asked["strength"].get<double>(),
+                       asked["pin"].is_null() ? "" : ", pinned");
   if (type == "fixed") return fmt::format("vertex {} fixed", asked["vertex"].get<Index>());
   if (type == "stroke")
     return fmt::format("stroke of {} points, weight {:.4g}", asked["points"].get<std::size_t>(),
                        asked["weight"].get<double>());
   if (type == "boundary")
     return fmt::format("boundary {}, weight {:.4g}", asked["align"].get<std::string>(), asked["weight"].get<double>());
+  if (type == "features")
+    return fmt::format("{} {} feature edges, {}, weight {:.4g}", asked["across"].get<bool>() ? "across" : "along",
+                       grouped(asked["edges"].get<std::int64_t>()), asked["hold"].get<bool>() ? "held" : "drawn",
+                       asked["weight"].get<double>());
   return fmt::format("cone of index {:.6g} at vertex {}", asked["index"].get<double>(), asked["vertex"].get<Index>());
 }
 
@@ -115,13 +128,11 @@ Json boundary_json(const DesignBoundary& b) {
   return {{"align", b.normal ? "normal" : "tangent"}, {"weight", number(b.weight)}};
 }
 
-}  // namespace
-
-Json tolerance_degrees(DesignOutcome::Type type) {
-  using Type = DesignOutcome::Type;
-  if (type == Type::cone) return nullptr;
-  return type == Type::stroke || type == Type::boundary ? stroke_met_degrees : target_met_degrees;
+Json features_json(const DesignFeatures& f) {
+  return {{"edges", f.edges.size()}, {"across", f.across}, {"hold", f.hold}, {"weight", number(f.weight)}};
 }
+
+}  // namespace
 
 Json controls_json(const DesignRun& run) {
   using Type = DesignOutcome::Type;
@@ -144,12 +155,17 @@ Json controls_json(const DesignRun& run) {
         json["asked"] = boundary_json(run.design.boundary);
         json["achieved"] = {{"mean_deviation_degrees", number(outcome.error_degrees)}};
         break;
+      case Type::features:
+        json["asked"] = features_json(run.design.features);
+        json["achieved"] = {{"mean_deviation_degrees", number(outcome.error_degrees)}};
+        break;
       case Type::cone:
         cone(run, outcome, json);
         break;
     }
     json["error_degrees"] = number(outcome.error_degrees);
-    json["tolerance_degrees"] = tolerance_degrees(outcome.type);
+    json["tolerance_degrees"] = number(outcome.tolerance_degrees);
+    if (outcome.tolerance_relative) json["tolerance_relative"] = number(*outcome.tolerance_relative);
     json["met"] = outcome.met;
     list.push_back(std::move(json));
   }
@@ -159,8 +175,6 @@ Json controls_json(const DesignRun& run) {
 Json guidance_json(const DesignRun& run) {
   using Source = DesignGuidance::Source;
   const DesignGuidance& g = run.design.guidance;
-  if (run.design.method == DesignMethod::eigen)
-    return {{"field", "none"}, {"weight", 0}, {"t", nullptr}, {"scale", nullptr}};
   return {{"field", g.source == Source::file ? g.file.string() : std::string(name(g.source))},
           {"weight", g.source == Source::nothing || g.t ? Json(0) : number(g.weight)},
           {"t", g.t ? number(*g.t) : Json(nullptr)},
@@ -195,6 +209,12 @@ Json design_report(const Json& input, const DesignFile& asked, const DesignRun& 
   report["guidance"] = guidance_json(run);
   report["solve"] = solve_json(run);
   report["controls"] = controls_json(run);
+  if (run.features) {
+    const DesignFeatures& f = asked.features;
+    report["alignment"] = alignment_json(
+        *run.features,
+        {.angle_degrees = f.angle, .boundary = f.boundary, .across = f.across, .weight = f.weight, .hold = f.hold});
+  }
   report["singularities"] = singularities_json(run.surface, run.field.n, run.index_sums, run.singularities);
   report["certificate"] = {{"connection_converged", certificate.connection_converged},
                            {"eigen_converged", certificate.eigen_converged},
@@ -217,7 +237,8 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
     Json json = head(fmt::format("/singularities/{}", k), s.name, "singularity");
     json["asked"] = {{"kind", name(s.kind)},
                      {"face", s.face},
-                     {"index", index_of(s.kind)},
+                     {"index", index_of(s.kind) * s.count},
+                     {"index_nths", index_of(s.kind) * s.count},
                      {"angle_degrees", number(s.angle)},
                      {"relative_to", s.relative_to ? triple(*s.relative_to) : Json(nullptr)},
                      {"strength", number(s.strength)},
@@ -238,6 +259,11 @@ Json plan_json(const DesignFile& placed, const Mesh& mesh) {
   if (placed.boundary.wanted) {
     Json json = head("/boundary", "", "boundary");
     json["asked"] = boundary_json(placed.boundary);
+    list.push_back(std::move(json));
+  }
+  if (placed.features.wanted) {
+    Json json = head("/features", "", "features");
+    json["asked"] = features_json(placed.features);
     list.push_back(std::move(json));
   }
   for (std::size_t k = 0; k < placed.connection.cones.size(); ++k) {
@@ -273,7 +299,7 @@ std::string plan_text(const Json& plan) {
   line("guidance", guidance == "none" ? "none"
                    : by_t             ? fmt::format("{}, t = {:.4g}", guidance, plan["guidance_t"].get<double>())
                           : fmt::format("{}, weight {:.4g}", guidance, plan["guidance_weight"].get<double>()));
-  line("system", eigen                ? "S u = lambda M u, with terms of strokes and singularities in both"
+  line("system", eigen                ? "S u = lambda M u, with terms of strokes, singularities and guidance in both"
                  : guidance == "none" ? "2 S u = targets"
                  : by_t               ? "2 (S - lambda_t M) u = targets + w M u0"
                                       : "(2 S + w M) u = targets + w M u0");
@@ -283,7 +309,7 @@ std::string plan_text(const Json& plan) {
   line("controls", detail::counted(plan["controls"].size(), "control", "controls"));
   for (const Json& c : plan["controls"]) {
     const std::string given = c["name"];
-    line("", fmt::format("{}: {}{}", c["path"].get<std::string>(), control_text(c),
+    line("", fmt::format("{}: {}{}", c["path"].get<std::string>(), control_text(c, plan["n"].get<int>()),
                          given.empty() ? "" : " \"" + given + "\""));
   }
   return text;
@@ -302,15 +328,16 @@ std::string design_summary(const Json& report) {
                    report["guidance"]["field"].get<std::string>(), solve["rows"].get<int>(),
                    short_text(solve["residual"])));
   if (report.contains("triangulation")) text += triangulation_summary(report["triangulation"]);
+  if (report.contains("alignment")) text += alignment_summary(report["alignment"]);
+  const int n = singular["denominator"];
   for (const Json& c : report["controls"])
     line(c["met"].get<bool>() ? "met" : "NOT MET",
-         fmt::format("{}: {}, off by {} degrees", c["path"].get<std::string>(), control_text(c),
+         fmt::format("{}: {}, off by {} degrees", c["path"].get<std::string>(), control_text(c, n),
                      short_text(c["error_degrees"])));
-  const int n = singular["denominator"];
   line("singularities",
        fmt::format("{}: {} positive, {} negative; indices sum to {}, expected {}", singular["count"].get<int>(),
                    singular["positive"].get<int>(), singular["negative"].get<int>(),
-                   turns_text(singular["index_sum"], n), turns_text(singular["expected"], n)));
+                   detail::turns_text(singular["index_sum"], n), detail::turns_text(singular["expected"], n)));
   line("time", fmt::format("{:.2f} s", report["times"]["total"].get<double>()));
   return text + summary_end(report);
 }

@@ -11,9 +11,6 @@
 
 namespace alcap::app {
 
-/// Up to which error_degrees a control counts as met; null for cones, which are counted in turns.
-[[nodiscard]] Json tolerance_degrees(DesignOutcome::Type type);
-
 /// One entry per outcome: path, name, type, asked, achieved, error_degrees, tolerance_degrees, met.
 [[nodiscard]] Json controls_json(const DesignRun& run);
 

@@ -21,12 +21,19 @@ constexpr auto words = std::to_array<Row>({
     {"repair_weld()", "--repair weld"},
     {"repair_orientation()", "--repair orient"},
     {"EigenOptions::solver", "--solver"},
+    {"the solver '", "--solver '"},
+    {"EigenOptions::method", "--method"},
+    {"EigenOptions::max_iterations", "--max-iterations"},
     {"EigenOptions::tolerance", "--tolerance"},
+    {"EigenOptions::prove_smallest 'never'", "--no-prove"},  // before the shorter one
     {"EigenOptions::prove_smallest", "--prove"},
     {"GlobalOptions::detail", "--detail"},
     {"GlobalOptions::max_iterations", "--connection-iterations"},
     {"GlobalOptions::tolerance", "--connection-tolerance"},
     {"DesignRunOptions::solver", "--solver"},
+    {"DistributedOptions::max_iterations", "--max-iterations"},
+    {"DistributedOptions::tolerance", "--tolerance"},
+    {"DistributedOptions::prove_smallest", "--prove"},
 });
 
 // Fields that an OptionError names. The field "s" is --energy where fields are solved for, "name" that of a backend.
@@ -37,6 +44,13 @@ constexpr auto fields = std::to_array<Row>({
     {"detail", "--detail"},
     {"guidance_weight", "--guidance"},
     {"tolerance", "--tolerance"},
+    {"tolerances.singularity_degrees", "--tolerance-of singularity"},
+    {"tolerances.fixed_degrees", "--tolerance-of fixed"},
+    {"tolerances.stroke_degrees", "--tolerance-of stroke"},
+    {"tolerances.boundary_degrees", "--tolerance-of boundary"},
+    {"tolerances.cone_degrees", "--tolerance-of cone"},
+    {"tolerances.fixed_value", "--tolerance-of fixed-value"},
+    {"tolerances.pin_length", "--tolerance-of pin"},
     {"modes", "--modes"},
     {"count", "--modes"},
     {"solver", "--solver"},

@@ -121,6 +121,7 @@ void check_writable(const fs::path& file) {
   if (fs::exists(file, error) && !fs::is_regular_file(file, error)) return;  // a pipe or device
   const fs::path final = alcap::detail::follow_links(file);
   if (final.empty()) fail(file, "this symbolic link leads in a circle");
+  if (final != file && !fs::exists(final, error)) fail(file, alcap::detail::leads_nowhere(final));
   if (final != file) return check_folder(fs::absolute(final).parent_path(), file);
   // The folder may be one that this very run creates (-o out --report out/report.json), so only what exists is checked.
   check_folder(existing_parent(file), file);
@@ -170,11 +171,10 @@ std::vector<Remark> leftover_remarks(const fs::path& target) {
   std::vector<Remark> remarks;
   if (target.empty()) return remarks;
   for (const fs::path& left : alcap::detail::find_leftovers(fs::absolute(without_slash(target))))
-    remarks.push_back(
-        {.code = "leftover",
-         .message = fmt::format("{} is what a run that was killed has left; nobody writes into it, and it "
-                                "can be deleted",
-                                left.string())});
+    remarks.push_back({.code = "leftover",
+                       .message = fmt::format("{} was left by a run that was killed; no program writes into it, and it "
+                                              "can be deleted",
+                                              left.string())});
   return remarks;
 }
 

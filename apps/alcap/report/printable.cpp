@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "apps/alcap/report/printable.h"
 
+#include "apps/alcap/commands/command.h"
+
 namespace alcap::app {
 namespace {
 
@@ -20,6 +22,35 @@ std::string escaped(std::string_view text, std::string_view allowed) {
 }
 
 }  // namespace
+
+std::string shell_word(std::string_view text) {
+  bool utf8 = true;
+  try {
+    (void)Json(text).dump();
+  } catch (const Json::exception&) {
+    utf8 = false;
+  }
+  const bool plain = utf8 && printable_line(text) == text;
+  std::string out = plain ? "'" : "$'";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (plain) {
+      out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    } else if (byte < 32 || byte >= 127) {
+      out += {'\\', static_cast<char>('0' + byte / 64), static_cast<char>('0' + byte / 8 % 8),
+              static_cast<char>('0' + byte % 8)};
+    } else {
+      if (c == '\'' || c == '\\') out += '\\';
+      out += c;
+    }
+  }
+  return out + "'";
+}
+
+std::string shell_file(const std::filesystem::path& file) {
+  const std::string name = file.string();
+  return shell_word(name.starts_with('-') ? "./" + name : name);
+}
 
 std::string printable(std::string_view text) { return escaped(text, "\n\t"); }
 std::string printable_line(std::string_view text) { return escaped(text, {}); }

@@ -4,6 +4,7 @@
 // change its colours; they are shown as \\xNN.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -13,5 +14,11 @@ namespace alcap::app {
 [[nodiscard]] std::string printable(std::string_view text);
 /// One line: line ends are escaped too.
 [[nodiscard]] std::string printable_line(std::string_view text);
+
+/// A word of a command line for a shell (sh, bash, zsh), whatever bytes it holds: 'name', and $'...' with octal escapes
+/// where it has control characters or is not UTF-8, so that it can be printed.
+[[nodiscard]] std::string shell_word(std::string_view text);
+/// The same for a file: one that starts with - is no option.
+[[nodiscard]] std::string shell_file(const std::filesystem::path& file);
 
 }  // namespace alcap::app

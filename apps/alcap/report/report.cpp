@@ -62,7 +62,7 @@ Json eigen_json(const EigenReport& eigen) {
           {"solver", eigen.solver},
           {"seconds", number(eigen.seconds)},
           {"proof_seconds", number(eigen.proof_seconds)},
-          {"message", eigen.message}};
+          {"message", in_flags(eigen.message)}};
 }
 
 Json modes_json(const EigenModes& modes) {
@@ -72,9 +72,10 @@ Json modes_json(const EigenModes& modes) {
                     {"residual", number(modes.residual[k])},
                     {"cluster", modes.cluster[static_cast<std::size_t>(k)]}});
   }
-  return {{"list", std::move(list)}, {"smallest", name(modes.smallest)}, {"converged", modes.converged},
-          {"solver", modes.solver},  {"iterations", modes.iterations},   {"seconds", number(modes.seconds)},
-          {"message", modes.message}};
+  return {{"list", std::move(list)},           {"smallest", name(modes.smallest)},
+          {"converged", modes.converged},      {"solver", modes.solver},
+          {"iterations", modes.iterations},    {"seconds", number(modes.seconds)},
+          {"message", in_flags(modes.message)}};
 }
 
 /// Of several components: eigenvalues of the largest one, the worst residual, all iterations.
@@ -114,6 +115,7 @@ Json singularity_json(const Singularity& s, const Eigen::RowVector3d& xyz, Index
           {"barycentric", {number(s.barycentric[0]), number(s.barycentric[1]), number(s.barycentric[2])}},
           {"xyz", {number(xyz[0]), number(xyz[1]), number(xyz[2])}},
           {"index", s.index},
+          {"index_nths", s.index},
           {"orientation", number(s.orientation)},
           {"located", s.located},
           {"component", component}};
@@ -148,9 +150,9 @@ Json piece_json(const AlignedPiece& piece) {
           {"steps", std::move(steps)}};
 }
 
-/// What a field was aligned with, and how well.
-Json alignment_json(const FieldRun& run, const FieldAlignment& align) {
-  const FieldFeatures& features = *run.features;
+}  // namespace
+
+Json alignment_json(const FieldFeatures& features, const AlignmentAsked& asked) {
   Json lines = Json::array(), pieces = Json::array();
   for (std::size_t k = 0; k < features.graph.lines.size(); ++k) {
     const FeatureLine& line = features.graph.lines[k];
@@ -159,27 +161,32 @@ Json alignment_json(const FieldRun& run, const FieldAlignment& align) {
     lines.push_back(std::move(json));
   }
   std::int64_t steps = 0;
+  bool settled = true;
   for (const AlignedPiece& piece : features.pieces) {
     steps += integer(piece.steps.size());
+    settled = settled && piece.settled;
     pieces.push_back(piece_json(piece));
   }
   const auto corners =
       std::count(features.graph.vertices.begin(), features.graph.vertices.end(), FeatureVertex::corner);
-  return {{"angle_degrees", number(align.features.angle * 180 / pi<double>)},
-          {"boundary", align.features.boundary},
-          {"across", align.across},
-          {"weight", number(align.weight)},
+  return {{"angle_degrees", number(asked.angle_degrees)},
+          {"boundary", asked.boundary},
+          {"across", asked.across},
+          {"weight", number(asked.weight)},
+          {"hold", asked.hold},
           {"edges", features.graph.edges.size()},
           {"corners", corners},
           {"free_corners", features.free_corners.size()},
           {"all", deviation_json(features.report.all)},
           {"singularities_at_corners", features.report.singularities_at_corners},
           {"steps", steps},
-          {"settled", run.certificate.directions_settled},
+          {"settled", settled},
           {"followed", features.followed},
           {"lines", std::move(lines)},
           {"pieces", std::move(pieces)}};
 }
+
+namespace {
 
 Json quality_json(const TriangleQuality& quality) {
   return {{"angle_min_degrees", number(quality.angle_min * 180 / pi<double>)},
@@ -219,7 +226,9 @@ Json components_json(const FieldRun& run) {
                     {"singularities",
                      {{"count", singular[c]},
                       {"index_sum", run.index_sums.at(c).sum},
-                      {"expected", run.index_sums.at(c).expected}}}});
+                      {"expected", run.index_sums.at(c).expected},
+                      {"index_sum_nths", run.index_sums.at(c).sum},
+                      {"expected_nths", run.index_sums.at(c).expected}}}});
   }
   return list;
 }
@@ -342,6 +351,8 @@ Json singularities_json(const Surface& surface, int n, const std::vector<IndexSu
           {"denominator", n},
           {"index_sum", sum},
           {"expected", expected},
+          {"index_sum_nths", sum},
+          {"expected_nths", expected},
           {"list", std::move(list)}};
 }
 
@@ -415,7 +426,7 @@ Json connection_json(const ConnectedSurface& surface, const ConnectionOptions& o
           {"iterations", report.iterations},
           {"residual", number(report.residual)},
           {"converged", report.converged},
-          {"message", report.message}};
+          {"message", in_flags(report.message)}};
 }
 
 Json remarks_json(const std::vector<Remark>& remarks, bool warnings) {
@@ -486,13 +497,27 @@ Json field_report(const std::filesystem::path& path, const MeshFile& file, const
   if (run.features) {
     report["certified"] = certificate.holds();
     report["certificate"]["directions_settled"] = certificate.directions_settled;
-    report["alignment"] = alignment_json(run, *options.align);
+    const FieldAlignment& align = *options.align;
+    report["alignment"] = alignment_json(*run.features, {.angle_degrees = align.features.angle * 180 / pi<double>,
+                                                         .boundary = align.features.boundary,
+                                                         .across = align.across,
+                                                         .weight = align.weight,
+                                                         .hold = align.weight == 0});
   }
   report["repaired"] = {{"copies_of", run.copies_of}, {"face_of", run.face_of}};
   report["warnings"] = remarks_json(run.remarks, true);
   report["notes"] = remarks_json(run.remarks, false);
   report["peak_memory_bytes"] = peak_memory_bytes();
   return report;
+}
+
+std::string smallest_text(const Json& certificate, const Json& eigen, bool one_piece) {
+  const auto word = certificate["smallest"].get<std::string>();
+  if (word == "proven")
+    return one_piece ? fmt::format("proven: no eigenvalue lies below {:.7g}", eigen["lower_bound"].get<double>())
+                     : "proven on every component";
+  const auto note = eigen["smallest_note"].get<std::string>();
+  return word + (note.empty() || !one_piece ? "" : fmt::format(" ({})", note));
 }
 
 std::string summary_line(std::string_view label, const std::string& value) {
@@ -510,16 +535,14 @@ std::string triangulation_summary(const Json& t) {
                   grouped(t["connection"]["iterations"].get<std::int64_t>())));
 }
 
-std::string alignment_summary(const Json& alignment, int n) {
+std::string alignment_summary(const Json& alignment) {
   const Json& all = alignment["all"];
   const auto count = [](const Json& value) { return grouped(value.get<std::int64_t>()); };
   const std::int64_t edges = all["edges"].get<std::int64_t>() + all["corner_edges"].get<std::int64_t>();
-  std::string text = summary_line(
-      "field", fmt::format("n = {}, {} features: {} steps, {}", n, alignment["across"].get<bool>() ? "across" : "along",
-                           count(alignment["steps"]), alignment["settled"].get<bool>() ? "settled" : "not settled"));
-  text += summary_line("features", fmt::format("{} edges in {} lines, {} corners ({} free)", grouped(edges),
-                                               grouped(integer(alignment["lines"].size())), count(alignment["corners"]),
-                                               count(alignment["free_corners"])));
+  const std::string text =
+      summary_line("features", fmt::format("{} edges in {} lines, {} corners ({} free)", grouped(edges),
+                                           grouped(integer(alignment["lines"].size())), count(alignment["corners"]),
+                                           count(alignment["free_corners"])));
   return text + summary_line("deviation",
                              fmt::format("mean {}, 95 % below {}, worst {} degrees off corners; {} at "
                                          "corners; {} singularities on features, {} at corners",
@@ -561,10 +584,6 @@ std::string grouped(std::int64_t value) {
     text += digits[k];
   }
   return text;
-}
-
-std::string turns_text(std::int64_t count, int n) {
-  return count % n == 0 ? std::to_string(count / n) : fmt::format("{}/{}", count, n);
 }
 
 }  // namespace alcap::app

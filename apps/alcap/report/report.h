@@ -48,6 +48,17 @@ inline constexpr int report_version = 1;
 [[nodiscard]] Remark curves_cut_short();
 [[nodiscard]] Json defects_json(const std::vector<DefectReport>& defects);
 
+/// How features were asked for.
+struct AlignmentAsked {
+  double angle_degrees = 0;
+  bool boundary = false, across = false;
+  double weight = 0;
+  bool hold = false;
+};
+
+/// What a field was aligned with, and how well.
+[[nodiscard]] Json alignment_json(const FieldFeatures& features, const AlignmentAsked& asked);
+
 struct RunSeconds {
   double read = 0, write = 0, total = 0;
 };
@@ -59,12 +70,16 @@ struct RunSeconds {
 [[nodiscard]] std::string triangulation_summary(const Json& triangulation);
 
 /// The lines of a summary that say how features are followed.
-[[nodiscard]] std::string alignment_summary(const Json& alignment, int n);
+[[nodiscard]] std::string alignment_summary(const Json& alignment);
 /// Its `times`.
 [[nodiscard]] Json times_json(const FieldTimes& times, const RunSeconds& seconds);
 
 /// A line of a summary.
 [[nodiscard]] std::string summary_line(std::string_view label, const std::string& value);
+
+/// What is known about a field being the smoothest: the word of its certificate and, on a surface in one piece, what
+/// the report of its eigenpair adds.
+[[nodiscard]] std::string smallest_text(const Json& certificate, const Json& eigen, bool one_piece);
 
 /// A number in four digits.
 [[nodiscard]] std::string short_text(const Json& value);
@@ -77,7 +92,5 @@ struct RunSeconds {
 
 /// 69451 -> "69,451".
 [[nodiscard]] std::string grouped(std::int64_t value);
-/// A count of n-ths in turns: "2", "-3/4".
-[[nodiscard]] std::string turns_text(std::int64_t count, int n);
 
 }  // namespace alcap::app

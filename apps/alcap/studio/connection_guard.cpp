@@ -8,7 +8,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <filesystem>
 #include <map>
+#include <numeric>
+#include <system_error>
 #include <vector>
 
 namespace alcap::app {
@@ -17,7 +21,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto patience = std::chrono::seconds(5);      // for a request with its token; ours take milliseconds
-constexpr auto period = std::chrono::milliseconds(50);  // between two looks
+constexpr auto period = std::chrono::milliseconds(50);  // between two looks while somebody is unknown
+constexpr auto calm = std::chrono::milliseconds(250);   // and while nobody is
 constexpr std::size_t most_unknown = 24;                // beyond, the oldest go at once
 
 int port_of(int descriptor, int (*ask)(int, sockaddr*, socklen_t*)) {
@@ -27,12 +32,19 @@ int port_of(int descriptor, int (*ask)(int, sockaddr*, socklen_t*)) {
   return ntohs(address.sin_port);
 }
 
-/// One more than the largest number that a descriptor can have, within reason.
-int descriptor_limit() {
+/// Numbers of what this process has open; where the system does not list them, all that they can be within reason.
+std::vector<int> open_descriptors() {
+  std::vector<int> list;
+  std::error_code error;
+  for (std::filesystem::directory_iterator k("/dev/fd", error), end; !error && k != end; k.increment(error))
+    list.push_back(std::atoi(k->path().filename().c_str()));
+  if (!list.empty()) return list;
   rlimit limit = {};
   constexpr rlim_t most = 4096;
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return static_cast<int>(most);
-  return static_cast<int>(std::min(limit.rlim_cur, most));
+  const bool told = ::getrlimit(RLIMIT_NOFILE, &limit) == 0;
+  list.resize(told ? std::min(limit.rlim_cur, most) : most);
+  std::iota(list.begin(), list.end(), 0);
+  return list;
 }
 
 }  // namespace
@@ -59,12 +71,11 @@ void ConnectionGuard::watch() {
     Clock::time_point since;
   };
   std::map<int, Seen> unknown;  // by remote port
-  const int limit = descriptor_limit();
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, period, [this] { return stop_; })) {
+  while (!wake_.wait_for(lock, unknown.empty() ? calm : period, [this] { return stop_; })) {
     std::map<int, Seen> now;
     std::set<int> open;
-    for (int descriptor = 3; descriptor < limit; ++descriptor) {
+    for (const int descriptor : open_descriptors()) {
       if (port_of(descriptor, ::getsockname) != port_) continue;
       const int remote = port_of(descriptor, ::getpeername);
       if (remote < 0) continue;  // the one that listens

@@ -163,11 +163,26 @@ class Handlers {
   }
 
   void add_editing(httplib::Server& server) {
-    server.Post("/api/edit", [this](const auto& request, auto& response) {
+    using Base = std::optional<std::uint64_t>;
+    changing(server, "/api/edit", [this](const auto& request, Base base) {
+      return session_.edit(request.body, request.get_param_value("gesture"), base);
+    });
+    changing(server, "/api/mode", [this](const auto& request, Base base) {
+      return session_.show_mode(static_cast<int>(std::min(number_in(request, "mode"), most_mode)), base);
+    });
+    changing(server, "/api/keep", [this](const auto&, Base base) { return session_.keep_field(base); });
+    changing(server, "/api/undo", [this](const auto&, Base base) { return session_.undo(base); });
+    changing(server, "/api/redo", [this](const auto&, Base base) { return session_.redo(base); });
+  }
+
+  /// A request that changes what all tabs see, based on the revision that its tab has seen.
+  template <class Act>
+  void changing(httplib::Server& server, const char* path, Act&& act) {
+    server.Post(path, [this, act](const httplib::Request& request, httplib::Response& response) {
       std::optional<std::uint64_t> base;
       if (!request.get_param_value("base").empty()) base = number_in(request, "base");
       try {
-        state(request, response, session_.edit(request.body, request.get_param_value("gesture"), base));
+        state(request, response, act(request, base));
       } catch (const StudioConflict& e) {
         answer(response, 409, e.what());
       } catch (const FileError& e) {
@@ -176,26 +191,6 @@ class Handlers {
         answer(response, 400, e.what());
       }
     });
-    server.Post("/api/mode", [this](const auto& request, auto& response) {
-      try {
-        state(request, response, session_.show_mode(static_cast<int>(std::min(number_in(request, "mode"), most_mode))));
-      } catch (const OptionError& e) {
-        answer(response, 400, e.what());
-      }
-    });
-    server.Post("/api/keep", [this](const auto& request, auto& response) {
-      try {
-        state(request, response, session_.keep_field());
-      } catch (const StudioConflict& e) {
-        answer(response, 409, e.what());
-      } catch (const OptionError& e) {
-        answer(response, 400, e.what());
-      }
-    });
-    server.Post("/api/undo",
-                [this](const auto& request, auto& response) { state(request, response, session_.undo()); });
-    server.Post("/api/redo",
-                [this](const auto& request, auto& response) { state(request, response, session_.redo()); });
   }
 
   static void answer(httplib::Response& response, int status, const std::string& message) {

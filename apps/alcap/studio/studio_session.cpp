@@ -3,8 +3,6 @@
 // studio_session.cpp: history and saving. Steps keep their results, so that going back is exact and costs nothing.
 #include "apps/alcap/studio/studio_session.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -32,29 +30,6 @@ void check_size(const DesignFile& design) {
     throw OptionError("/strokes", points, "the studio takes at most " + std::to_string(most_points) + " points");
 }
 
-}  // namespace
-
-DesignLock::DesignLock(const std::filesystem::path& file) {
-  const std::filesystem::path full = std::filesystem::absolute(file);
-  path_ = full.parent_path() / ("." + full.filename().string() + ".lock");
-  do descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  while (descriptor_ < 0 && errno == EINTR);
-  if (descriptor_ < 0) return;  // a folder that cannot be written to is somebody else's complaint
-  if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-  ::close(descriptor_);
-  throw Failure(Exit::output,
-                file.string() + ": another studio works on this design; use that one, or another --design FILE",
-                {{"path", file.string()}});
-}
-
-DesignLock::~DesignLock() {
-  if (descriptor_ < 0) return;
-  ::unlink(path_.c_str());
-  ::close(descriptor_);
-}
-
-namespace {
-
 /// What is said of a design that comes from elsewhere.
 std::vector<std::string> sentences(const DesignFile& design) {
   std::vector<std::string> out;
@@ -76,16 +51,21 @@ std::vector<std::string> sentences(const DesignFile& design) {
 
 }  // namespace
 
-StudioSession::StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file)
+StudioSession::StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file,
+                             const ControlTolerances& tolerances)
     : surface_(surface),
       file_(std::move(file)),
       folder_(std::filesystem::absolute(file_).parent_path()),
       came_(sentences(design)),
       lock_(file_),
-      solver_(surface) {
+      solver_(surface, tolerances) {
   if (design.guidance.source == DesignGuidance::Source::file) {
     design.guidance.file = std::filesystem::absolute(design.guidance.file).lexically_normal();
     guides_.insert(design.guidance.file);
+  }
+  if (std::filesystem::path& edges = design.features.file; !edges.empty()) {
+    edges = std::filesystem::absolute(edges).lexically_normal();
+    guides_.insert(edges);
   }
   now_ = {.design = placed(design), .result = nullptr};
   if (surface_.mesh().faces() < large) {
@@ -122,18 +102,23 @@ DesignFile StudioSession::placed(const DesignFile& design) const {
 }
 
 DesignFile StudioSession::as_saved(DesignFile design) const {
-  if (design.guidance.source != DesignGuidance::Source::file) return design;
-  const std::filesystem::path near = design.guidance.file.lexically_relative(folder_);
-  if (!near.empty() && *near.begin() != "..") design.guidance.file = near;
+  for (std::filesystem::path* named : {&design.guidance.file, &design.features.file}) {
+    if (named->empty()) continue;
+    const std::filesystem::path near = named->lexically_relative(folder_);
+    if (!near.empty() && *near.begin() != "..") *named = near;
+  }
   return design;
 }
 
-void StudioSession::check_guidance(const DesignFile& design) const {
-  if (design.guidance.source != DesignGuidance::Source::file) return;
+void StudioSession::check_files(const DesignFile& design) const {
   const std::lock_guard lock(mutex_);
-  if (!guides_.contains(design.guidance.file))
-    throw OptionError("/guidance/file", design.guidance.file.filename().string(),
-                      "the studio opens no files named by a page, but that of the design it was started with");
+  const auto check = [&](const char* path, const std::filesystem::path& file) {
+    if (!file.empty() && !guides_.contains(file))
+      throw OptionError(path, file.filename().string(),
+                        "the studio opens no files named by a page, but that of the design it was started with");
+  };
+  check("/guidance/file", design.guidance.file);
+  check("/features/file", design.features.file);
 }
 
 namespace {
@@ -237,7 +222,7 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
                                 std::optional<std::uint64_t> base) {
   DesignFile design = parse_design(text, "design", folder_);
   design.guidance.file = design.guidance.file.lexically_normal();
-  check_guidance(design);
+  check_files(design);
   check_size(design);
   design = placed(design);
 
@@ -246,7 +231,7 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
   Step next{.design = std::move(design), .result = nullptr};
   {
     const std::lock_guard lock(mutex_);
-    if (base && *base != revision_) throw StudioConflict();
+    check_base_locked(base);
     next.result = now_.result;
   }
   try {
@@ -269,10 +254,20 @@ StudioState StudioSession::edit(const std::string& text, const std::string& gest
   });
 }
 
+void StudioSession::check_base_locked(std::optional<std::uint64_t> base) const {
+  if (base && *base != revision_) throw StudioConflict();
+}
+
+void StudioSession::check_base(std::optional<std::uint64_t> base) const {
+  const std::lock_guard lock(mutex_);
+  check_base_locked(base);
+}
+
 // Only changes move the history, and this is one.
-StudioState StudioSession::undo() {
+StudioState StudioSession::undo(std::optional<std::uint64_t> base) {
   (void)state();
   const std::lock_guard change(changes_);
+  check_base(base);
   if (past_.empty()) return state();
   return become(past_.back(), [&] {
     future_.push_back(std::move(now_));
@@ -282,9 +277,10 @@ StudioState StudioSession::undo() {
   });
 }
 
-StudioState StudioSession::redo() {
+StudioState StudioSession::redo(std::optional<std::uint64_t> base) {
   (void)state();
   const std::lock_guard change(changes_);
+  check_base(base);
   if (future_.empty()) return state();
   return become(future_.back(), [&] {
     past_.push_back(std::move(now_));
@@ -294,13 +290,14 @@ StudioState StudioSession::redo() {
   });
 }
 
-StudioState StudioSession::show_mode(int k) {
+StudioState StudioSession::show_mode(int k, std::optional<std::uint64_t> base) {
   (void)state();
   const std::lock_guard change(changes_);
   std::shared_ptr<const StudioResult> solved;
   double s = 0;
   {
     const std::lock_guard lock(mutex_);
+    check_base_locked(base);
     solved = now_.result;
     s = now_.design.s;
   }
@@ -315,8 +312,9 @@ StudioState StudioSession::show_mode(int k) {
   return state_locked();
 }
 
-StudioState StudioSession::keep_field() {
+StudioState StudioSession::keep_field(std::optional<std::uint64_t> base) {
   StudioState now = state();
+  if (base && *base != now.revision) throw StudioConflict();
   if (now.result->field.n != now.design.n)
     throw OptionError("/n", now.design.n, "the field that is shown has another n; the design has none yet");
   std::string stem = file_.stem().string();

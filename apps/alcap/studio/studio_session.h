@@ -18,6 +18,7 @@
 #include <thread>
 #include <vector>
 
+#include "apps/alcap/studio/design_lock.h"
 #include "apps/alcap/studio/studio_solver.h"
 
 namespace alcap::app {
@@ -37,46 +38,33 @@ class StudioConflict : public std::runtime_error {
   StudioConflict() : std::runtime_error("another tab changed the design") {}
 };
 
-/// Holds a design's file for this process: a lock on a hidden file beside it.
-class DesignLock {
- public:
-  /// Throws Failure(output) when another process holds it.
-  explicit DesignLock(const std::filesystem::path& file);
-  DesignLock(const DesignLock&) = delete;
-  DesignLock& operator=(const DesignLock&) = delete;
-  ~DesignLock();
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-  int descriptor_ = -1;
-};
-
 class StudioSession {
  public:
   /// Solves `design`, on large surfaces only when the state is first asked for, and from a thread of its own: until
   /// then the machine is the page's, which is to show them soon. Who asks for the state waits. Points of space become
   /// faces and vertices, and edits of the design are done. Edits are saved to `file`, which appears complete or not at
   /// all, before they count. Throws what solving throws, and Failure(output) when another studio has the file.
-  StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file);
+  StudioSession(const Surface& surface, DesignFile design, std::filesystem::path file,
+                const ControlTolerances& tolerances = {});
   ~StudioSession();
   StudioSession(const StudioSession&) = delete;
   StudioSession& operator=(const StudioSession&) = delete;
 
   /// Replaces the design by the one in the text (JSON). Edits with the same `gesture`, other than "", are one step of
   /// the history. Throws FileError and OptionError for designs that are not well-formed, too large or not of this
-  /// surface; one that has no field, such as cones with the wrong sum, is taken, with `problem`. Throws StudioConflict
-  /// when the revision is another than `base`, Failure when the file cannot be written; nothing has changed then.
+  /// surface; one that has no field, such as cones with the wrong sum, is taken, with `problem`. This and what follows
+  /// throw StudioConflict when the revision is another than `base`, and Failure when the file cannot be written;
+  /// nothing has changed then.
   StudioState edit(const std::string& text, const std::string& gesture, std::optional<std::uint64_t> base = {});
   /// One step back or forward; nothing happens at the end of the history. Results are those of before, bit for bit.
-  StudioState undo();
-  StudioState redo();
+  StudioState undo(std::optional<std::uint64_t> base = {});
+  StudioState redo(std::optional<std::uint64_t> base = {});
   /// Shows the k-th smoothest field instead of the design's, until the next change; 0: the design's again. The design,
   /// its file and its history stay as they are. Throws OptionError.
-  StudioState show_mode(int k);
+  StudioState show_mode(int k, std::optional<std::uint64_t> base = {});
   /// Saves the field that is shown beside the design, to a file that was not there, and makes it the guidance of the
   /// design. Throws as edit() does.
-  StudioState keep_field();
+  StudioState keep_field(std::optional<std::uint64_t> base = {});
   /// Throws what the first solve threw.
   [[nodiscard]] StudioState state() const;
   /// Number of the present result; for asking often.
@@ -98,8 +86,10 @@ class StudioSession {
   static constexpr std::size_t longest_history = 200;  // steps; a field of 25,000 vertices is 0.5 MB
 
   void start();
+  void check_base(std::optional<std::uint64_t> base) const;
+  void check_base_locked(std::optional<std::uint64_t> base) const;
   /// The files that a design may name: nothing in a request may name another one.
-  void check_guidance(const DesignFile& design) const;
+  void check_files(const DesignFile& design) const;
   [[nodiscard]] DesignFile placed(const DesignFile& design) const;
   [[nodiscard]] DesignFile as_saved(DesignFile design) const;
   void publish(std::shared_ptr<const StudioResult> result, std::string problem = {});
@@ -126,7 +116,7 @@ class StudioSession {
   std::string gesture_;
   std::uint64_t revision_ = 0;              // counts from 1, the first result
   std::exception_ptr failed_;               // of the first solve
-  std::set<std::filesystem::path> guides_;  // fields that a design may name: that of the file, and those saved here
+  std::set<std::filesystem::path> guides_;  // files that a design may name: those it came with, and fields saved here
   mutable bool wanted_ = false;             // somebody has asked for the state
   bool ended_ = false;
   std::thread starter_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "apps/alcap/report/design_report.h"
+#include "apps/alcap/report/report.h"
 #include "src/base/clock.h"
 
 namespace alcap::app {
@@ -38,9 +39,9 @@ const std::string& StudioResult::part(StudioPart which, const RunControl& contro
   return parts_[k];
 }
 
-StudioSolver::StudioSolver(const Surface& surface)
-    :  // What the page shows of a connection is that of the mesh.
-      session_(surface, {.triangulation = Triangulation::extrinsic}) {}
+StudioSolver::StudioSolver(const Surface& surface, const ControlTolerances& tolerances)
+    // What the page shows of a connection is that of the mesh.
+    : session_(surface, {.tolerances = tolerances, .triangulation = Triangulation::extrinsic}) {}
 
 namespace {
 
@@ -53,7 +54,7 @@ void add_outcomes(const DesignFile& design, const DesignRun& run, StudioResult& 
     Json entry{{"path", feature ? "/features" : outcome.path},
                {"met", outcome.met},
                {"error_degrees", outcome.error_degrees},
-               {"tolerance_degrees", tolerance_degrees(outcome.type)}};
+               {"tolerance_degrees", number(outcome.tolerance_degrees)}};
     if (!feature) {
       result.controls.push_back(std::move(entry));
     } else if (features.is_null()) {
@@ -64,8 +65,8 @@ void add_outcomes(const DesignFile& design, const DesignRun& run, StudioResult& 
     }
   }
   if (!features.is_null()) result.controls.push_back(std::move(features));
-  for (std::size_t k = design.strokes.size(); k < run.design.strokes.size(); ++k) {
-    for (const Index v : run.design.strokes[k].vertices) result.creases.push_back(static_cast<std::uint32_t>(v));
+  for (const FeatureLine& line : run.features ? run.features->graph.lines : std::vector<FeatureLine>{}) {
+    for (const Index v : line.vertices) result.creases.push_back(static_cast<std::uint32_t>(v));
     result.crease_offsets.push_back(static_cast<std::uint32_t>(result.creases.size()));
   }
 }

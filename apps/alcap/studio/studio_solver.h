@@ -85,7 +85,7 @@ class StudioResult {
 
 class StudioSolver {
  public:
-  explicit StudioSolver(const Surface& surface);
+  explicit StudioSolver(const Surface& surface, const ControlTolerances& tolerances = {});
   /// The field of a design; without controls and guidance the smoothest one. Throws OptionError, SolveError.
   [[nodiscard]] std::shared_ptr<const StudioResult> solve(const DesignFile& design);
   /// The k-th smoothest field, 1 to most_modes, on the connection of a solved design. Throws OptionError.

@@ -1,23 +1,25 @@
 // SPDX-License-Identifier: MIT
 //
-// card.js: what is known about a singularity that nobody asked for, why it is there, and what can be done about it.
+// card.js: what is known about a singularity that no control asks for, why it is there, and what can be done about it.
 import { count, fraction, h, short } from './dom.js';
 import { mark } from './panel.js';
 import { kindsOf } from './studio_panel.js';
 import { barycentricIn, dot, frame, plus, scaled, subtract, unit } from './tangent.js';
 
-const close = 0.15;  // of the diagonal: pairs further apart are no pairs
+const close = 0.15;   // of the diagonal: pairs further apart are no pairs
+const bends = 4;      // of a stroke that cancels a pair
+const mostZeros = 8;  // side by side in a design
 
 const number = (value) => String(value).replace('-', '−');
 
 /** Why the field has singularities besides those of the design, in a sentence. */
 function reason(app, paired) {
   const { n } = app.design, { euler, boundary } = app.view.meta;
-  if (paired) return 'With the opposite one near by it adds nothing to the sum of indices: bumps of the surface make such pairs, and controls close to each other.';
-  if (euler === undefined || boundary) return 'The field needs it here: on a surface with boundary their number follows from the shape.';
+  if (paired) return 'Together with the opposite one nearby it adds nothing to the sum of indices. Bumps of the surface and controls close to each other make such pairs.';
+  if (euler === undefined || boundary) return 'On a surface with boundary, how many there are depends on the shape and on the controls.';
   const placed = (app.design.singularities || []).reduce((sum, s) => sum + (s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1) * (s.count || 1), 0);
-  if (!placed) return `All indices sum to ${number(euler)}, the Euler characteristic; here the surface bends most.`;
-  return `All indices sum to ${number(euler)}, the Euler characteristic. Yours sum to ${fraction(placed, n)}, so others make up ${fraction(n * euler - placed, n) || '0'}.`;
+  if (!placed) return `All indices sum to ${number(euler)}, the Euler characteristic, whatever the field.`;
+  return `All indices sum to ${number(euler)}, the Euler characteristic. Yours sum to ${fraction(placed, n)}; the others make up the remaining ${fraction(n * euler - placed, n) || '0'}.`;
 }
 
 export class Card {
@@ -66,8 +68,8 @@ export class Card {
     } }, '×');
   }
 
-  /** About the singularity with this number in the field's list. */
-  tell(k) {
+  /** About the singularity with this number in the field's list. keys: the keyboard goes on from here. */
+  tell(k, keys = false) {
     const { app } = this, { n } = app.design;
     const index = app.view.arrays.singular[8 * k + 6], partner = this.partner(k);
     const act = (what) => () => {
@@ -77,37 +79,93 @@ export class Card {
     this.element.replaceChildren(
       h('p', { class: 'head' }, mark(index), ` Singularity ${fraction(index, n)}`),
       this.closer(),
-      h('p', { class: 'quiet' }, `Nobody asked for it. ${reason(app, partner >= 0)}`),
+      h('p', { class: 'quiet' }, `No control asks for it. ${reason(app, partner >= 0)}`),
       h('div', { class: 'actions' },
-        Math.abs(index) === 1 ? h('button', { type: 'button', class: 'primary', onclick: act(() => this.hold(k)) }, 'Hold it here') : null,
-        partner >= 0 ? h('button', { type: 'button', class: 'plain', title: 'A short stroke between them makes the field go on without them', onclick: act(() => this.cancel(k, partner)) }, `Cancel it with its ${fraction(-index, n)}`) : null));
+        holdable(index) ? h('button', { type: 'button', class: 'primary', title: Math.abs(index) > 1 ? `As ${Math.abs(index)} zeros side by side` : 'Makes it a control of the design', onclick: act(() => this.hold(k, keys)) }, 'Hold it here') : null,
+        partner >= 0 ? h('button', { type: 'button', class: 'plain', title: 'Looks for a short stroke between them that removes both', onclick: act(() => this.cancel(k, partner)) }, `Cancel it with the ${fraction(-index, n)} nearby`) : null));
     this.element.hidden = false;
+    if (keys) (this.element.querySelector('.actions button') || this.element.querySelector('.close')).focus();
   }
 
   /** Makes it a control like those that are placed. */
-  hold(k) {
+  hold(k, keys) {
     const { app } = this, { singular, singular_faces: faces } = app.view.arrays, { n } = app.design;
-    const face = faces[k], kind = kindsOf(n)[singular[8 * k + 6] > 0 ? 0 : kindsOf(n).length - 1][0];
+    const face = faces[k], index = singular[8 * k + 6], count = Math.abs(index);
+    // Only sources and saddles are several zeros.
+    const kind = count > 1 ? (index > 0 ? 'source' : 'saddle') : kindsOf(n)[index > 0 ? 0 : kindsOf(n).length - 1][0];
     const pin = inside(barycentricIn(app.view.surface, face, this.place(k)));
-    app.add({ face, kind, angle: (singular[8 * k + 7] * 180) / Math.PI, pin });
+    app.add({ face, kind, ...(count > 1 ? { count } : {}), angle: (singular[8 * k + 7] * 180) / Math.PI, pin });
+    if (keys) app.handles.items[app.selected]?.ring.focus();
   }
 
-  /** A short stroke between the two, along what the field does around them: the first of several that leaves two singularities less. */
+  /** A short stroke between the two, along what the field does around them: the first of several that leaves two singularities less, bent to what the field then does there. */
   async cancel(k, partner) {
     const { app } = this;
     const [a, b] = [this.place(k), this.place(partner)], before = app.view.arrays.singular_faces.length;
     const middle = app.view.surface.nearest(scaled(plus(a, b), 0.5)), apart = Math.hypot(...subtract(a, b));
-    const points = this.across(middle, apart);
+    const straight = this.across(middle, apart);
     const gesture = `cancel-${Date.now()}`, number = (app.design.strokes || []).length;
     for (const [weight, width] of [[10, 1], [100, 1], [10, 0], [100, 0], [1000, 1]]) {
-      const radius = app.eigen() ? 0 : width * apart;
-      await app.change((d) => { (d.strokes ??= [])[number] = { name: 'cancelled pair', points, weight, ...(radius ? { radius } : {}) }; }, gesture);
-      if (app.view.arrays.singular_faces.length <= before - 2) return app.store.rest();
+      const radius = width * apart;
+      /** Whether the pair is gone with a stroke through these points. */
+      const gone = async (points) => {
+        await app.change((d) => { (d.strokes ??= [])[number] = { name: 'cancelled pair', points, weight, ...(radius ? { radius } : {}) }; }, gesture);
+        const { singular } = app.view.arrays, left = Array.from({ length: singular.length / 8 }, (_, j) => this.place(j));
+        return left.length <= before - 2 && [a, b].every((p) => left.every((q) => Math.hypot(...subtract(p, q)) > 0.3 * apart));
+      };
+      if (!(await gone(straight))) continue;
+      await this.bend(number, straight, gone, middle, apart);
+      return app.store.rest();
     }
     await app.store.step('undo');
     this.element.replaceChildren(h('p', { class: 'head' }, 'The field keeps this pair'), this.closer(),
-      h('p', { class: 'quiet' }, 'Without it, others would appear near by. Hold a singularity elsewhere, or draw strokes along what the field shall do here.'));
+      h('p', { class: 'quiet' }, 'None of the strokes that were tried removes it. Hold a singularity elsewhere, or draw strokes here in the directions you want.'));
     this.element.hidden = false;
+  }
+
+  /** A straight stroke that cancels a pair rarely is one that the field can follow: it becomes a curve of that field, while the pair stays away and the field follows it better. */
+  async bend(number, points, gone, middle, apart) {
+    const { app } = this;
+    const report = () => (app.controls || []).find((c) => c.path === `/strokes/${number}`) || { met: true };
+    for (let tries = 0, { met, error_degrees: error } = report(); !met && tries < bends; ++tries) {
+      const next = this.along(points, middle, apart), fine = await gone(next), now = report();
+      if (!fine || !(now.error_degrees < error)) {
+        await gone(points);
+        return;
+      }
+      [points, met, error] = [next, now.met, now.error_degrees];
+    }
+  }
+
+  /** Points of the curve of the field through the middle of a stroke, to both sides. */
+  along(points, middle, apart) {
+    const { surface } = this.app.view, half = Math.floor(points.length / 2), step = (1.2 * apart) / half;
+    const [p, q] = [points.at(half - 1), points.at(half + 1)].map(({ face, barycentric }) => surface.at(face, barycentric));
+    const side = (sign) => {
+      const list = [];
+      for (let at = middle, way = scaled(subtract(q, p), sign); list.length < half;) {
+        way = this.branch(at, way);
+        at = surface.nearest(plus(at.point, scaled(way, step)));
+        list.push({ face: at.face, barycentric: at.barycentric });
+      }
+      return list;
+    };
+    return [...side(-1).reverse(), { face: middle.face, barycentric: middle.barycentric }, ...side(1)];
+  }
+
+  /** The direction of the field at a place that is nearest to another one. */
+  branch({ face, barycentric }, way) {
+    const { surface, arrays } = this.app.view, { n } = this.app.design;
+    const { x, y } = frame(surface, face);
+    let re = 0, im = 0;
+    barycentric.forEach((weight, j) => {
+      const v = surface.faces[3 * face + j], d = arrays.branch.subarray(3 * v, 3 * v + 3), angle = Math.atan2(dot(d, y), dot(d, x));
+      re += weight * Math.cos(n * angle);
+      im += weight * Math.sin(n * angle);
+    });
+    const wanted = Math.atan2(dot(way, y), dot(way, x)), period = (2 * Math.PI) / n, angle = Math.atan2(im, re) / n;
+    const turned = angle + period * Math.round((wanted - angle) / period);
+    return plus(scaled(x, Math.cos(turned)), scaled(y, Math.sin(turned)));
   }
 
   /** Points of a straight stroke through the middle of a pair, in the direction that the field has in the mean on a ring around it. */
@@ -130,6 +188,11 @@ export class Card {
       return { face, barycentric };
     });
   }
+}
+
+/** Whether a control can ask for this index, in n-ths */
+function holdable(index) {
+  return index !== 0 && Math.abs(index) <= mostZeros;
 }
 
 /** A zero on an edge belongs to neither face: a little inside. */

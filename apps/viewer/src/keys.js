@@ -3,8 +3,8 @@
 // keys.js: the keyboard: turning and zooming, and one letter for each thing that can be switched.
 
 export const viewKeys = [
-  ['← → ↑ ↓', 'Turn'], ['+ −', 'Zoom'], ['F', 'Everything into view'], ['U', 'Another axis up'], ['1 2 3', 'Curves, glyphs, neither'],
-  ['S', 'Singularities'], ['O', 'Their orientation'], ['X', 'Separatrices'], ['C', 'Next colour'], ['P', 'Save a picture'], ['?', 'This list'],
+  ['← → ↑ ↓', 'Turn'], ['+ −', 'Zoom'], ['F', 'Fit to view'], ['U', 'Change the axis that is up'], ['1 2 3', 'Curves, glyphs, neither'],
+  ['S', 'Singularities'], ['O', 'Orientation of singularities'], ['X', 'Separatrices'], ['C', 'Next colour'], ['P', 'Save a picture'], ['?', 'This list'],
 ];
 
 export function listen(stage, table) {

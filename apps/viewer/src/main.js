@@ -18,7 +18,7 @@ function makeStage() {
   try {
     return new Stage(document.getElementById('canvas'));
   } catch {
-    throw new Error('This browser offers no WebGL 2, which the picture needs. Another browser, or hardware acceleration switched on, helps.');
+    throw new Error('This page needs WebGL 2, which this browser does not offer. Try another browser, or turn on hardware acceleration.');
   }
 }
 

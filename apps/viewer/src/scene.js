@@ -2,7 +2,7 @@
 //
 // scene.js: everything that is drawn for one result, and what of it is shown. The arrays are those of
 // apps/alcap/page/view_scene.h; the studio replaces some of them at a time.
-import { Raycaster, Vector2 } from 'three';
+import { Raycaster, Vector2, Vector3 } from 'three';
 
 import { Glyphs } from './glyphs.js';
 import { Lines } from './lines.js';
@@ -101,6 +101,23 @@ export class View {
     const ray = new Raycaster();
     ray.setFromCamera(at, this.stage.camera);
     return this.surface.hit(ray.ray.origin, ray.ray.direction);
+  }
+
+  /** The singularity that is seen nearest to a place on screen, within so many pixels: its number; -1 for none. */
+  around(place, pixels) {
+    const { stage, meta } = this, S = this.arrays.singular || [];
+    const box = stage.canvas.getBoundingClientRect();
+    let best = pixels, found = -1;
+    for (let k = 0; k < S.length; k += 8) {
+      const at = new Vector3(S[k], S[k + 1], S[k + 2]).project(stage.camera);
+      const spot = { clientX: box.left + ((at.x + 1) / 2) * box.width, clientY: box.top + ((1 - at.y) / 2) * box.height };
+      const distance = Math.hypot(spot.clientX - place.clientX, spot.clientY - place.clientY);
+      if (!(distance < best)) continue;
+      const hit = this.pick(spot);
+      if (!hit || Math.hypot(...hit.point.map((x, c) => x - S[k + c])) > 0.015 * meta.diagonal) continue;  // behind something
+      [best, found] = [distance, k / 8];
+    }
+    return found;
   }
 
   /** The singularity nearest to a point, if closer than the given part of the diagonal: its number. */

@@ -72,11 +72,22 @@ export class Stage {
     this.camera.updateProjectionMatrix();
   }
 
-  /** What is on screen as a PNG, so many times as large. */
-  async picture(scale) {
-    const { width, height } = this;
-    const most = this.renderer.capabilities.maxTextureSize / Math.max(width, height);
-    this.draws(Math.min(this.ratio * scale, most));
+  /** The widest picture that this machine draws at once, in pixels. */
+  get widest() {
+    const { capabilities } = this.renderer, gl = this.renderer.getContext();
+    const [x, y] = gl.getParameter(gl.MAX_VIEWPORT_DIMS).map((d) => Math.min(d, capabilities.maxTextureSize));
+    return Math.floor(Math.min(x, (y * this.width) / this.height));
+  }
+
+  /** Width and height of a picture of about this width, in pixels. */
+  pictureSize(width) {
+    const ratio = Math.min(width, this.widest) / this.width + 1e-6 / this.width;
+    return { ratio, size: [this.width, this.height].map((d) => Math.floor(d * ratio)) };
+  }
+
+  /** What is on screen as a PNG, so many pixels wide; no wider than `widest`. */
+  async picture(width) {
+    this.draws(this.pictureSize(width).ratio);
     this.renderer.render(this.scene, this.camera);
     const blob = await new Promise((done) => this.canvas.toBlob(done, 'image/png'));
     this.resize();

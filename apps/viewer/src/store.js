@@ -61,15 +61,18 @@ export class Store {
       const { path, body, gesture, parameters = {} } = this.next;
       this.next = null;
       this.since = performance.now();
-      const query = { have: this.result, ...parameters };
-      if (path === '/api/edit') Object.assign(query, { base: this.revision, gesture });
+      const query = { have: this.result, base: this.revision, ...parameters };
+      if (path === '/api/edit') query.gesture = gesture;
       try {
         const pack = await ask(path, query, { body });
-        if (!this.next) this.take(pack, true, '', path === '/api/edit');
+        if (!this.next) this.take(pack, true, path === '/api/edit');
         else this.follow(pack);
       } catch (error) {
         this.next = null;
+        // What is edited from now on is the last design that was taken, not the one that was refused.
+        if (error instanceof Refused) this.design = this.taken;
         await this.failed(error);
+        if (error.status === 409) this.next = null;  // it was not based on what the other tab did
       }
     }
     this.busy = false;
@@ -79,28 +82,28 @@ export class Store {
   follow(pack) {
     this.revision = pack.meta.revision;
     this.result = pack.meta.result;
+    this.taken = pack.meta.design;
     this.listeners.follow(pack);
   }
 
   async failed(error) {
-    if (error instanceof Refused && error.status === 409) {
-      this.listeners.status('note', 'Another tab changed the design; this is its version.');
-      this.take(await ask('/api/state', { have: this.result }), false);
-    } else if (error instanceof Refused) {
-      this.listeners.status('problem', error.message);
-      this.take(await ask('/api/state', { have: this.result }), false, error.message);
-    } else {
+    if (!(error instanceof Refused)) {
       this.listeners.status('lost', 'The studio does not answer. Nothing is lost: start alcap studio again and open its new address.');
+      return;
     }
+    const said = error.status === 409 ? ['note', 'Another tab changed the design. This is the new version.'] : ['problem', error.message];
+    this.listeners.status(...said);
+    this.take(await ask('/api/state', { have: this.result }), false);
+    this.listeners.status(...said);  // of the new state there is nothing as important to say
   }
 
   /** solved: the answer was computed for this request, not kept from before. */
-  take(pack, mine, said = '', solved = false) {
+  take(pack, mine, solved = false) {
+    if (pack.meta.revision < this.revision) return;  // overtaken by the answer to an edit
     this.revision = pack.meta.revision;
-    this.design = pack.meta.design;
+    this.design = this.taken = pack.meta.design;
     this.result = pack.meta.result;
     this.listeners.state(pack, mine);
-    if (said) return;
     if (pack.meta.problem) this.listeners.status('problem', pack.meta.problem);
     else this.listeners.status('ready', solved ? pack.meta.seconds : 0);
     clearTimeout(this.timer);
@@ -136,8 +139,12 @@ export class Store {
           if (this.lost) this.listeners.status('ready', 0);
           this.lost = false;
           pause = 500;
-          if (revision !== this.revision && !this.busy) this.take(await ask('/api/state', { have: this.result }), false);
-          else if (this.busy) await new Promise((next) => setTimeout(next, 100));
+          if (revision !== this.revision && !this.busy) {
+            const pack = await ask('/api/state', { have: this.result });
+            if (!this.busy) this.take(pack, false);  // otherwise there will be a newer one
+          } else if (this.busy) {
+            await new Promise((next) => setTimeout(next, 100));
+          }
         }
       } catch (error) {
         this.lost = true;

@@ -18,8 +18,9 @@ import { angleIn, direction } from './tangent.js';
 import { makePictures } from './view.js';
 
 const many = 200000;  // faces: curves are drawn far apart first
+const catching = 40;  // pixels from the cross: an arrow key turns by less
 
-const studioKeys = [['V', 'Turn and choose'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'At the cross: put it there, begin or end a stroke, erase'], ['Del', 'Remove the chosen one'], ['Esc', 'Back to turning']];
+const studioKeys = [['V', 'Turn and select'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'At the cross: place it, begin or end a stroke, erase; with Turn, show what is there'], ['Del', 'Remove the selected control'], ['Esc', 'Back to turning']];
 
 export async function startStudio(stage, ui, boot) {
   const mesh = await ask('/api/mesh');
@@ -90,14 +91,14 @@ class Studio {
     this.help = makeHelp([...studioKeys, ...viewKeys.filter(([k]) => k !== '?')]);
     this.undoButton = h('button', { type: 'button', title: 'Undo (Ctrl+Z)', onclick: () => this.store.step('undo') }, 'Undo');
     this.redoButton = h('button', { type: 'button', title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.store.step('redo') }, 'Redo');
-    this.exports = makeExports();
+    this.exports = makeExports(this.view);
     this.pictures = makePictures(stage, this.title);
     const file = h('input', { type: 'file', accept: '.json,application/json', hidden: true, onchange: () => this.open(file) });
     const menu = h('nav', { class: 'tools', 'aria-label': 'Design' }, this.undoButton, this.redoButton, h('i', {}),
       h('button', { type: 'button', title: 'Open a design.json', onclick: () => file.click() }, 'Open'),
       h('button', { type: 'button', title: 'Save design.json', onclick: () => { location.href = address('/api/design'); } }, 'Save'),
-      h('button', { type: 'button', title: 'Save the field for another program', onclick: () => this.exports.showModal() }, 'Export'),
-      h('button', { type: 'button', title: 'Save a picture (P)', class: 'wide', onclick: () => this.pictures.choose() }, 'Picture'),
+      h('button', { type: 'button', title: 'Save the field for another program', onclick: () => this.exports.choose() }, 'Export'),
+      h('button', { type: 'button', title: 'Save a picture (P)', onclick: () => this.pictures.choose() }, 'Picture'),
       h('button', { type: 'button', title: 'Keys (?)', class: 'wide', onclick: () => this.help.showModal() }, 'Keys'), file);
     this.card = new Card(this);
     ui.append(this.handles.layer, this.panel, this.tools, menu, this.card.element, this.help, this.exports, this.pictures);
@@ -110,7 +111,7 @@ class Studio {
     stage.canvas.addEventListener('pointerleave', () => this.point(null));
     const tool = (name) => () => this.choose(name, true);
     listen(stage, {
-      v: tool('turn'), Escape: () => this.strokes.drop() || this.choose('turn', true), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone', true),
+      v: tool('turn'), Escape: () => this.strokes.drop() || this.rest(), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone', true),
       a: () => this.choose(kindsOf(this.design.n)[0][0], true), z: () => this.choose(kindsOf(this.design.n).at(-1)[0], true),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
       Enter: () => this.act(),
@@ -147,10 +148,33 @@ class Studio {
 
   /** Enter: what the tool does, where the cross is. */
   act() {
-    const brush = { stroke: (at) => this.strokes.pen(at), erase: (at) => this.strokes.wipe(at) }[this.tool];
+    const brush = { stroke: (at) => this.strokes.pen(at), erase: (at) => this.strokes.wipe(at), turn: (at) => this.inspect(at) }[this.tool];
     if (brush && !this.keys) this.choose(this.tool, true);  // from now on by the keyboard: the cross appears
     else if (brush) brush(this.ahead());
     else if (this.places()) this.click(this.ahead());
+  }
+
+  /** What a click tells, for the keyboard: of the singularity nearest to the cross, with the focus on what can be done. */
+  inspect(at) {
+    const hit = this.view.pick(at), near = this.view.around(at, catching);
+    this.card.close();
+    if (near >= 0) {
+      const placed = (this.design.singularities || []).findIndex((s) => s.face === this.view.arrays.singular_faces[near]);
+      this.select(placed);
+      if (placed >= 0) this.handles.items[placed].ring.focus();
+      else this.card.tell(near, true);
+      return;
+    }
+    const stroke = hit ? this.strokes.near(hit.point) : -1;
+    if (stroke >= 0) this.selectStroke(stroke);
+    else this.select(-1);
+    if (stroke < 0 && hit) this.card.face(hit.face);
+  }
+
+  /** Esc: back to turning, without cross and card. */
+  rest() {
+    this.card.close();
+    this.choose('turn');
   }
 
   /** The middle of what the panel leaves free, as a place of the pointer: where the keyboard puts things. */
@@ -161,7 +185,7 @@ class Studio {
 
   /** The cross of the keyboard, and the face behind it. */
   aim() {
-    this.cross.hidden = !(this.keys && this.tool !== 'turn');
+    this.cross.hidden = !this.keys;
     if (this.cross.hidden) return;
     const at = this.ahead();
     this.cross.style.transform = `translate(${at.clientX}px, ${at.clientY}px)`;
@@ -208,9 +232,8 @@ class Studio {
     this.show(this.design);
   }
 
-  /** Adds a singularity, and its image where designs are mirrored. Nothing is held exactly by the eigen method. */
+  /** Adds a singularity, and its image where designs are mirrored. */
   add(s) {
-    if (this.eigen()) delete s.pin;
     this.stroked = this.held = -1;
     this.selected = (this.design.singularities || []).length;
     return this.change((d) => {
@@ -424,8 +447,8 @@ class Studio {
   makeTools(n) {
     if (this.toolsFor === `${n}${this.trivial()}`) return;
     this.toolsFor = `${n}${this.trivial()}`;
-    const kinds = kindsOf(n).map(([kind, sign]) => [kind, h('span', {}, h('i', { class: sign > 0 ? 'mark positive' : 'mark negative' }), titleOf(kind)), `Click where the ${kind} shall be`]);
-    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, choose what is there (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field shall be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Rub out strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone shall be (K)']] : [])], this.tool, (t) => this.choose(t, bar.keys));
+    const kinds = kindsOf(n).map(([kind, sign]) => [kind, h('span', {}, h('i', { class: sign > 0 ? 'mark positive' : 'mark negative' }), titleOf(kind)), `Click where the ${kind} should be`]);
+    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, select things (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field should be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Erase strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone should be (K)']] : [])], this.tool, (t) => this.choose(t, bar.keys));
     this.tools.replaceChildren(bar);
     this.tools.set = bar.set;
   }
@@ -506,16 +529,23 @@ class Studio {
   }
 }
 
-/** The files that the field can be saved as: see docs/file-formats.md. */
-function makeExports() {
+/** The files that the field can be saved as, all that the command line writes: see docs/file-formats.md. */
+function makeExports(view) {
   const save = (format, part, text) => h('li', {}, h('a', { href: address('/api/export', { format, part }), onclick: () => dialog.close() }, text));
+  const table = (format, text) => [save(format, 0, `${format}: table per face${text}`), save(`vertex.${format}`, 0, `vertex.${format}: table per vertex${text}`)];
+  const rosy = save('rosy', 0, 'rosy: one direction per face, for QuadWild');
   const dialog = h('dialog', { class: 'exports', 'aria-label': 'Export' }, h('h2', {}, 'Save the field as'),
     h('ul', {},
-      save('ply', 0, 'PLY: mesh and field, read again by alcap'),
+      save('ply', 0, 'PLY: mesh and field, which alcap can read'),
       save('vtp', 0, 'VTP: mesh and field, for ParaView'), save('vtp', 1, 'VTP: its singularities'),
-      save('rawfield', 0, 'rawfield: vectors per vertex, for Directional'), save('rawfield', 1, 'sings: its singularities'),
-      save('rosy', 0, 'rosy: one direction per face, for QuadWild')),
+      save('rawfield', 0, 'rawfield: vectors per face, for Directional'), save('rawfield', 1, 'sings: its singular vertices'),
+      save('vertex.rawfield', 0, 'vertex.rawfield: vectors per vertex, for Directional'), save('vertex.rawfield', 1, 'vertex.sings: its singular faces'),
+      rosy, ...table('csv', ', for spreadsheets'), ...table('npy', ', for NumPy'), ...table('dmat', ', for libigl')),
     h('form', { method: 'dialog' }, h('button', { class: 'plain' }, 'Close')));
   dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });
+  dialog.choose = () => {
+    rosy.hidden = view.meta.n !== 4;  // it holds crosses only
+    dialog.showModal();
+  };
   return dialog;
 }

@@ -28,11 +28,11 @@ export function coneIndex(index) {
 export function fieldSection(app) {
   const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
   n.append(h('button', { type: 'button', role: 'radio', hidden: true, title: 'The symmetry of the design' }));
-  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['polar', 'Polar', 'Of the geodesic polar map around each vertex'], ['trivial', 'Cones', 'Flat but for cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size, or near to a connection of your own']], 'global',
+  const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['polar', 'Polar', 'Of the geodesic polar map around each vertex'], ['trivial', 'Cones', 'Flat except at cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size, or the connection closest to one of your own']], 'global',
     (v) => app.change((d) => setConnection(d, v)));
   connection.classList.add('wrap');
   const details = connectionDetails(app), guidance = guidanceControls(app);
-  const method = segmented('Method', [['variational', 'Exact', 'Controls are held; elsewhere near a field that is given'], ['eigen', 'Eigen', 'The smoothest field that follows strokes and has the singularities']], 'variational', (v) => app.change((d) => setMethod(d, v)));
+  const method = segmented('Method', [['variational', 'Exact', 'Holds the controls; elsewhere stays close to a given field'], ['eigen', 'Eigen', 'The smoothest field that follows the strokes and has the singularities']], 'variational', (v) => app.change((d) => setMethod(d, v)));
   const energy = slider('Energy', { least: -1, most: 1, value: 0, even: true }, (v, gesture) => app.change((d) => { d.s = Number(v.toFixed(2)); }, gesture), () => app.store.rest());
   energy.title = 'Which derivative counts: −1 antiholomorphic, 0 Dirichlet, 1 holomorphic';
   const boundary = boundaryControl(app);
@@ -57,7 +57,7 @@ export function fieldSection(app) {
 
 /** A stroke along every boundary loop, or across it. */
 function boundaryControl(app) {
-  const choices = segmented('Boundary', [['none', 'Free', 'The boundary asks for nothing'], ['tangent', 'Along', 'Along every loop of the boundary'], ['normal', 'Across', 'Across every loop of the boundary']], 'none', (v) => app.change((d) => {
+  const choices = segmented('Boundary', [['none', 'Free', 'No alignment with the boundary'], ['tangent', 'Along', 'Along every loop of the boundary'], ['normal', 'Across', 'Across every loop of the boundary']], 'none', (v) => app.change((d) => {
     if (v === 'none') delete d.boundary;
     else d.boundary = { ...d.boundary, align: v };
   }));
@@ -103,7 +103,7 @@ function featureControls(app) {
 
 /** A plane on whose other side everything happens as well; only those that the surface has. */
 function mirrorControl(app) {
-  const choices = segmented('Mirror', [[-1, 'Off', 'Edits happen once'], ...['X', 'Y', 'Z'].map((name, axis) => [axis, name, `What is edited is edited across the plane ${name} = 0 of the middle as well`])], -1, (v) => {
+  const choices = segmented('Mirror', [[-1, 'Off', 'Edits are not repeated'], ...['X', 'Y', 'Z'].map((name, axis) => [axis, name, `Repeats every edit across the plane ${name} = 0 through the middle`])], -1, (v) => {
     app.mirror.axis = Number(v);
   });
   const element = h('div', { hidden: true }, h('h2', { class: 'sub' }, 'Mirror edits'), choices);
@@ -120,13 +120,13 @@ function mirrorControl(app) {
 function setMethod(design, method) {
   if (method === 'variational') {
     delete design.method;
-    design.guidance = { field: 'smoothest', weight: 1 };
+    design.guidance ??= { field: 'smoothest', weight: 1 };
     return;
   }
   design.method = method;
-  delete design.guidance;
-  for (const s of design.singularities || []) delete s.pin;
-  for (const s of design.strokes || []) delete s.radius;
+  // What an exact design has where nobody chose; any other stays, but lambda_t is what a weight makes of it here.
+  if (design.guidance?.field === 'smoothest') delete design.guidance;
+  if (design.guidance) delete design.guidance.t;
 }
 
 /** Cones stay where both kinds have them; those of a trivial connection are multiples of 1/n. */
@@ -178,7 +178,7 @@ export function controlsSection(app) {
         label: s.name ? s.name[0].toUpperCase() + s.name.slice(1) : `Stroke ${k + 1}`, choose: () => app.selectStroke(k), remove: () => app.removeStroke(k),
         numbers: () => [
           slider('Weight', { least: 0.1, most: 1000, value: s.weight ?? 1 }, (v, gesture) => app.editStroke(k, (one) => { one.weight = v; }, gesture), () => app.store.rest()),
-          ...(app.eigen() ? [] : [slider('Width', { least: 0, most: 0.2 * app.view.meta.diagonal, value: s.radius ?? 0, even: true }, (v, gesture) => app.editStroke(k, (one) => { one.radius = v; }, gesture), () => app.store.rest())]),
+          slider('Width', { least: 0, most: 0.2 * app.view.meta.diagonal, value: s.radius ?? 0, even: true }, (v, gesture) => app.editStroke(k, (one) => { one.radius = v; }, gesture), () => app.store.rest()),
         ],
       })),
     ];
@@ -208,13 +208,12 @@ function countSlider(app, k, s, n) {
     one.kind = count > 1 ? (negative ? 'saddle' : 'source') : names[Number(negative)];
   }, gesture);
   const row = slider('Zeros', { least: 1, most: 8, value: s.count ?? 1, even: true, steps: 7 }, change, () => app.store.rest());
-  row.title = 'So many side by side, which are one of that index from afar';
+  row.title = 'How many zeros lie side by side; from afar they are one of that index';
   return [row];
 }
 
 /** Whether the zero is held where it was put, or only in that face. */
 function pinToggle(app, k, s) {
-  if (app.eigen()) return [];
   const row = toggle('Exactly here', Boolean(s.pin), (v) => app.edit(k, (one) => {
     if (v) one.pin = [1 / 3, 1 / 3, 1 / 3];
     else delete one.pin;
@@ -243,7 +242,7 @@ function lengthToggle(app, k, f) {
     if (v) one.length = 'free';
     else delete one.length;
   }));
-  row.title = 'Its direction alone is held, not how long the field is there';
+  row.title = 'Holds the direction only, not the length of the field';
   return row;
 }
 
@@ -257,7 +256,7 @@ function controlRow({ icon, chosen, numbers, choose, remove }) {
     close.setAttribute('aria-label', `Remove ${label}`);
     state.className = report ? (report.met ? 'met' : 'unmet') : '';
     state.textContent = report ? (report.met ? '✓' : `${short(report.error_degrees)}°`) : '';
-    state.title = report ? `Off by ${short(report.error_degrees)}°; counts as met up to ${short(report.tolerance_degrees)}°` : '';
+    state.title = report ? `Off by ${short(report.error_degrees)}°${/^\/strokes/.test(report.path) ? ' on average' : ''}; up to ${short(report.tolerance_degrees)}° counts as met` : '';
   };
   return { element, update };
 }
@@ -280,10 +279,10 @@ export function modesSection(app) {
 export function memorySection(app) {
   const list = h('dl', {}), element = section('Figures', list);
   const size = (bytes) => (bytes < 1e9 ? `${count(Math.round(bytes / 1e6))} MB` : `${short(bytes / 1e9)} GB`);
-  const times = [['opened', 'On the screen after'], ['field', 'Field after'], ['shown', 'Drawn after the solve'], ['coarse', 'Coarse curves after'], ['curves', 'Curves after'], ['all', 'Everything after']];
+  const times = [['opened', 'On screen after'], ['field', 'Field after'], ['shown', 'Drawn after the solve'], ['coarse', 'Coarse curves after'], ['curves', 'Curves after'], ['all', 'Everything after']];
   element.refresh = (view, after) => {
     const rows = [['Vertices', count(view.arrays.positions.length / 3)], ['Faces', count(view.arrays.faces.length / 3)],
-      ...(view.meta.memory ? [['Memory of alcap', size(view.meta.memory)]] : []),
+      ...(view.meta.memory ? [['Memory used by alcap', size(view.meta.memory)]] : []),
       ...times.filter(([key]) => after[key] !== undefined).map(([key, label]) => [label, `${count(Math.round(after[key]))} ms`])];
     list.replaceChildren(...rows.map(([label, value]) => h('div', { class: 'row' }, h('dt', {}, label), h('dd', {}, value))));
   };
@@ -353,13 +352,13 @@ function loopRows(app, design, step) {
   if (!holonomy.length && !loops.length) return [];
   const own = design.connection.holonomy || design.connection.loops;
   return [h('h2', { class: 'sub' }, 'Turns around loops'), ...rows('holonomy', holonomy, 'Loop'), ...rows('loops', loops, 'Boundary'),
-    own ? h('button', { type: 'button', class: 'plain', title: 'Those that change the surface\'s own connection least', onclick: () => app.change((d) => { delete d.connection.holonomy; delete d.connection.loops; }) }, 'Choose them for me') : h('p', { class: 'quiet' }, 'Chosen so that they change the connection of the surface least. In turns.')];
+    own ? h('button', { type: 'button', class: 'plain', title: 'Those that change the surface\'s own connection least', onclick: () => app.change((d) => { delete d.connection.holonomy; delete d.connection.loops; }) }, 'Choose them for me') : h('p', { class: 'quiet' }, 'Chosen to change the connection of the surface least. In turns.')];
 }
 
 /** Whether cones are added where the curvature is, until the sum is right. */
 function toggleBalance(value, change) {
   const row = toggle('Add what is missing', value, change);
-  row.title = 'Adds cones of the smallest index where the curvature is, until they sum up';
+  row.title = 'Adds cones of the smallest index where the curvature is, until the sum is right';
   return row;
 }
 

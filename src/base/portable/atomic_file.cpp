@@ -22,6 +22,7 @@ AtomicFile::AtomicFile(std::filesystem::path target) : target_(std::move(target)
   if (final_.empty()) fail("this symbolic link leads in a circle", 0);
   std::error_code error;
   const std::filesystem::file_status old = std::filesystem::status(final_, error);
+  if (!std::filesystem::exists(old) && final_ != target_) fail(leads_nowhere(final_), 0);
   if (std::filesystem::is_directory(old)) fail("this is a folder; give the name of a file", 0);
   if (std::filesystem::exists(old) && !std::filesystem::is_regular_file(old)) {
     stream_ = std::fopen(target_.string().c_str(), "wb");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "src/base/parallel.h"
+#include "src/connection/global/flexible_conjugate_gradients.h"
 #include "src/connection/grounded_laplacian.h"
 
 namespace alcap::detail {
@@ -11,12 +12,12 @@ namespace {
 
 using Edges = HeldRotations::Edges;
 
-double dot(const Edges& a, const Edges& b) {
+double dot_of_edges(const Edges& a, const Edges& b) {
   return parallel_sum<double>(a.size(), [&](std::int64_t e) { return dot(a[e], b[e]); });
 }
 
 // y = x + s * d; y may be x or d.
-void combine(const Edges& x, double s, const Edges& d, Edges& y) {
+void combine_edges(const Edges& x, double s, const Edges& d, Edges& y) {
   parallel_for(x.size(), [&](std::int64_t e) { y[e] = x[e] + s * d[e]; });
 }
 
@@ -32,25 +33,16 @@ HeldRotations::HeldRotations(const Mesh& mesh, const Geometry& geometry)
 
 int HeldRotations::solve(CorrectionSystem<float>& blocks, Edges& r, double wanted, int most,
                          const std::function<void(Edges& p, Edges& q)>& product, Edges& edges) const {
-  const std::int64_t count = r.size();
-  Edges p(count), q(count), z(count), before(count);
-  double square = precondition(blocks, r, p);
-  const double first = square;
-  int done = 0;
-  while (done < most && square > wanted * wanted * first) {
-    ++done;
-    product(p, q);
-    const double alpha = square / dot(p, q);
-    if (!std::isfinite(alpha)) break;
-    combine(edges, alpha, p, edges);
-    combine(r, -alpha, q, before);
-    std::swap(before, r);
-    const double next = precondition(blocks, r, z);
-    const double beta = (next - dot(before, z)) / square;
-    square = next;
-    combine(z, beta, p, p);
-  }
-  return done;
+  struct Space {
+    const HeldRotations& held;
+    CorrectionSystem<float>& blocks;
+    const std::function<void(Edges& p, Edges& q)>& multiply;
+    double precondition(const Edges& r, Edges& z) const { return held.precondition(blocks, r, z); }
+    void product(Edges& p, Edges& q) const { multiply(p, q); }
+    static double dot(const Edges& a, const Edges& b) { return dot_of_edges(a, b); }
+    static void combine(const Edges& x, double s, const Edges& d, Edges& y) { combine_edges(x, s, d, y); }
+  };
+  return flexible_conjugate_gradients(Space{*this, blocks, product}, wanted, most, r, edges);
 }
 
 // z = P r; returns r' z.
@@ -69,7 +61,7 @@ double HeldRotations::precondition(CorrectionSystem<float>& blocks, const Edges&
     const double tail = g(mesh_.tail(h), 0), tip = g(mesh_.tip(h), 0);
     z[e] = {z[e].mean + (tail + tip) / 2, z[e].difference + (tip - tail), 0};
   });
-  return dot(r, z);
+  return dot_of_edges(r, z);
 }
 
 }  // namespace alcap::detail

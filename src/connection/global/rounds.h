@@ -23,6 +23,9 @@ struct RefinementState {
 /// force is a sum of some of them.
 inline constexpr double force_digits = 32 * std::numeric_limits<double>::epsilon();
 
+/// The least reduction that one solve with held rotations is asked for: its directions drift by then.
+inline constexpr double least_held_reduction = 1e-8;
+
 /// Decides over rounds of refinement from the squared norms of their gradients.
 class Rounds {
  public:

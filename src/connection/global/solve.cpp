@@ -78,7 +78,6 @@ Corrections solve_free(const FaceEnergy& energy, const LiftedState& state, const
 }
 
 Corrections solve_held(const FaceEnergy& energy, const LiftedState& state, const GlobalOptions& options) {
-  constexpr double least_reduction = 1e-8;  // of one solve, whose direction drifts by then
   const Mesh& mesh = energy.mesh;
   Corrections c = no_corrections(mesh, single_faces(mesh));
   Array<EdgeCorrection> forces(2 * std::int64_t{mesh.edges()});
@@ -107,7 +106,7 @@ Corrections solve_held(const FaceEnergy& energy, const LiftedState& state, const
     if (stalls > 1) break;
     parallel_for(mesh.edges(), [&](std::int64_t e) { residual[e] = gradient(static_cast<Index>(e)); });
     rounds.add(
-        held.solve(blocks, residual, std::max(least_reduction, rounds.wanted()), rounds.left(), product, c.edges));
+        held.solve(blocks, residual, std::max(least_held_reduction, rounds.wanted()), rounds.left(), product, c.edges));
     relaxation.all(blocks);
   }
   return c;

@@ -18,10 +18,6 @@ void append(SurfacePolyline& line, const Mesh& mesh, const Geometry& geometry, c
   detail::append_segment(line, mesh, geometry, step.face, step.a, step.b);
 }
 
-bool before(const SurfacePoint& p, const SurfacePoint& q) {
-  return p.face != q.face ? p.face < q.face : p.barycentric < q.barycentric;
-}
-
 bool connected(const Mesh& mesh, Index from, Index to) {
   std::vector<bool> seen(detail::at(mesh.faces()), false);
   std::vector<Index> stack{from};
@@ -42,39 +38,53 @@ bool connected(const Mesh& mesh, Index from, Index to) {
 
 }  // namespace
 
-SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<SurfacePoint>& points) {
-  const Mesh& mesh = surface.mesh();
-  const Positions<double>& V = surface.positions();
-  const Geometry& geometry = surface.geometry();
-  SurfacePolyline line;
-  std::vector<SurfacePoint> at;
-  std::vector<std::size_t> number;
+detail::StrokePoints detail::distinct_points(const Mesh& mesh, const std::vector<SurfacePoint>& points) {
+  StrokePoints out;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const SurfacePoint p = detail::checked_point(mesh, points[k], k);
-    if (!at.empty() && detail::same_point(mesh, at.back(), p)) continue;
-    at.push_back(p);
-    number.push_back(k);
+    const SurfacePoint p = checked_point(mesh, points[k], k);
+    if (!out.at.empty() && same_point(mesh, out.at.back(), p)) continue;
+    out.at.push_back(p);
+    out.number.push_back(k);
   }
-  if (at.size() < 2)
+  if (out.at.size() < 2)
     throw OptionError("points", std::to_string(points.size()) + " points", "a stroke has at least two different ones");
+  return out;
+}
+
+bool detail::traced_backwards(const SurfacePoint& p, const SurfacePoint& q) {
+  return q.face != p.face ? q.face < p.face : q.barycentric < p.barycentric;
+}
+
+SurfacePolyline detail::stroke_through(const Mesh& mesh, const Positions<double>& V, const Geometry& geometry,
+                                       const StrokePoints& points,
+                                       const std::function<bool(std::size_t k)>& connected) {
+  SurfacePolyline line;
+  const std::vector<SurfacePoint>& at = points.at;
   for (std::size_t k = 0; k + 1 < at.size(); ++k) {
-    // Always from the smaller to the larger one, so that a reversed stroke is the same.
-    const bool turn = before(at[k + 1], at[k]);
-    auto steps = detail::trace(mesh, V, at[turn ? k + 1 : k], at[turn ? k : k + 1]);
+    const bool turn = traced_backwards(at[k], at[k + 1]);
+    auto steps = trace(mesh, V, at[turn ? k + 1 : k], at[turn ? k : k + 1]);
     if (!steps)
-      throw OptionError("points", std::to_string(number[k]) + " and " + std::to_string(number[k + 1]),
-                        connected(mesh, at[k].face, at[k + 1].face)
+      throw OptionError("points", std::to_string(points.number[k]) + " and " + std::to_string(points.number[k + 1]),
+                        connected(k)
                             ? "the stroke leaves the surface between these points; points between them may help"
                             : "these points lie on different components of the mesh");
     if (turn) {
       std::reverse(steps->begin(), steps->end());
-      for (detail::Step& step : *steps) std::swap(step.a, step.b);
+      for (Step& step : *steps) std::swap(step.a, step.b);
     }
-    for (const detail::Step& step : *steps) append(line, mesh, geometry, step);
+    for (const Step& step : *steps) append(line, mesh, geometry, step);
   }
   if (line.segments.empty()) throw OptionError("points", "all at one place", "a stroke needs some length");
-  line.closed = at.size() > 2 && detail::same_point(mesh, at.front(), at.back());
+  line.closed = at.size() > 2 && same_point(mesh, at.front(), at.back());
   return line;
+}
+
+SurfacePolyline stroke_through_points(const Surface& surface, const std::vector<SurfacePoint>& points) {
+  const Mesh& mesh = surface.mesh();
+  const detail::StrokePoints distinct = detail::distinct_points(mesh, points);
+  return detail::stroke_through(mesh, surface.positions(), surface.geometry(), distinct, [&](std::size_t k) {
+    return connected(mesh, distinct.at[k].face, distinct.at[k + 1].face);
+  });
 }
 
 SurfacePolyline stroke_along_vertices(const Surface& surface, const std::vector<Index>& vertices) {

@@ -97,7 +97,32 @@ std::optional<std::vector<Step>> walk(const Mesh& mesh, const Cut& cut, const Su
   return std::nullopt;
 }
 
+/// The planes to try, in this order: with the mean normal; where it does not lead there (sharp folds, a point on a
+/// boundary that vertices of the plane share), the other side for vertices on the plane, then the normals of the two
+/// ends.
+std::vector<Cut> cuts(const Mesh& mesh, const Positions<double>& V, const TraceEnds& ends) {
+  std::vector<Cut> all;
+  for (const Point& up : {Point(ends.from_normal + ends.to_normal), ends.from_normal, ends.to_normal})
+    for (const bool zero_is_up : {true, false}) {
+      const Cut cut(mesh, V, ends.from, ends.to, up, zero_is_up);
+      if (cut.exists()) all.push_back(cut);
+    }
+  return all;
+}
+
 }  // namespace
+
+TraceEnds ends_of(const Mesh& mesh, const Positions<double>& V, const SurfacePoint& from, const SurfacePoint& to) {
+  return {position(mesh, V, from), position(mesh, V, to), normal(mesh, V, from.face), normal(mesh, V, to.face)};
+}
+
+void mark_crossed(const Mesh& mesh, const Positions<double>& V, const TraceEnds& ends, std::vector<char>& marks) {
+  for (const Cut& cut : cuts(mesh, V, ends))
+    for (Index t = 0; t < mesh.faces(); ++t) {
+      check_cancelled_at(t);
+      if (cut.exit(t) != none) marks[at(t)] = 1;
+    }
+}
 
 std::optional<std::vector<Step>> trace(const Mesh& mesh, const Positions<double>& V, const SurfacePoint& from,
                                        const SurfacePoint& to) {
@@ -105,26 +130,21 @@ std::optional<std::vector<Step>> trace(const Mesh& mesh, const Positions<double>
   for (const SurfacePoint& a : starts)
     for (const SurfacePoint& b : ends)
       if (a.face == b.face) return std::vector<Step>{{a.face, a.barycentric, b.barycentric}};
-  const Point x = position(mesh, V, from), y = position(mesh, V, to);
-  const Point n = normal(mesh, V, from.face), m = normal(mesh, V, to.face);
-  // The mean normal; where it does not lead there (sharp folds, a point on a boundary that vertices of the plane
-  // share), the other side for vertices on the plane, then the normals of the two ends.
-  for (const Point& up : {Point(n + m), n, m})
-    for (const bool zero_is_up : {true, false}) {
-      const Cut cut(mesh, V, x, y, up, zero_is_up);
-      if (!cut.exists()) continue;
-      // From a vertex several faces may lead on: the one that leads most towards the goal first.
-      std::vector<std::pair<double, const SurfacePoint*>> order;
-      for (const SurfacePoint& start : starts) {
-        const Index h = cut.exit(start.face);
-        if (h == none) continue;
-        const Point step = position(mesh, V, on_halfedge(h, cut.crossing(h))) - x;
-        order.emplace_back(-step.dot(y - x) / std::max(step.norm(), 1e-12 * (y - x).norm()), &start);
-      }
-      std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-      for (const auto& [score, start] : order)
-        if (auto steps = walk(mesh, cut, *start, ends)) return steps;
+  const TraceEnds ends_in_space = ends_of(mesh, V, from, to);
+  const Point &x = ends_in_space.from, &y = ends_in_space.to;
+  for (const Cut& cut : cuts(mesh, V, ends_in_space)) {
+    // From a vertex several faces may lead on: the one that leads most towards the goal first.
+    std::vector<std::pair<double, const SurfacePoint*>> order;
+    for (const SurfacePoint& start : starts) {
+      const Index h = cut.exit(start.face);
+      if (h == none) continue;
+      const Point step = position(mesh, V, on_halfedge(h, cut.crossing(h))) - x;
+      order.emplace_back(-step.dot(y - x) / std::max(step.norm(), 1e-12 * (y - x).norm()), &start);
     }
+    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [score, start] : order)
+      if (auto steps = walk(mesh, cut, *start, ends)) return steps;
+  }
   return std::nullopt;
 }
 

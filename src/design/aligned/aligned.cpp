@@ -197,7 +197,9 @@ class Relaxation {
   void solve(const SparseMatrix<C>& A, const ComplexVectorX<double>& b) {
     MatrixX<C> x = MatrixX<C>::Zero(size_, 1);
     (void)solver_->solve(b, x);
-    if (!x.allFinite()) throw SolveError("aligned field: the linear solver returned values that are not finite");
+    if (!x.allFinite())
+      throw SolveError(
+          "aligned field: the linear solver returned values that are not finite; try another EigenOptions::solver");
     piece_.residual = b.isZero(0) ? 0 : residual<C>(A, x, b);
     piece_.solver = solver_->name();
     u_.swap(x);
@@ -215,7 +217,9 @@ class Relaxation {
     }
     piece_.lambda = 1 / size;
     if (!(piece_.lambda > 0 && std::isfinite(piece_.lambda)))
-      throw SolveError("aligned field: the smallest eigenvalue of a piece is not positive");
+      throw SolveError(
+          "aligned field: the smallest eigenvalue of a piece is not positive; try another EigenOptions::solver, or "
+          "Repair::mollify: badly shaped triangles are the usual reason");
   }
 
   /// |x|_M, and M x.
@@ -271,19 +275,13 @@ class Relaxation {
 
 void check(const ConnectedSurface& surface, const FeatureGraph& features, const AlignedOptions& options) {
   if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
-  if (options.n % 2 != 0 && !features.edges.empty())
-    throw OptionError("n", options.n, "must be even: a feature has no sense of direction");
+  detail::check_features(surface.mesh(), features, options.n);
   if (!detail::fit_weight_or_zero(options.weight))
     throw OptionError("weight", options.weight, detail::weight_or_zero_rule);
   if (options.max_steps < 0) throw OptionError("max_steps", options.max_steps, "must not be negative");
   if (!(options.settled_degrees > 0)) throw OptionError("settled_degrees", options.settled_degrees, "must be positive");
   if (!(options.finest >= 1) || !std::isfinite(options.finest))
     throw OptionError("finest", options.finest, "must be at least 1: zeros stick to faces below");
-  if (features.vertices.size() != static_cast<std::size_t>(surface.mesh().vertices()))
-    throw OptionError("features", std::to_string(features.vertices.size()) + " vertices",
-                      "must be a graph of this surface");
-  for (const Index e : features.edges)
-    if (e < 0 || e >= surface.mesh().edges()) throw OptionError("features", e, "there is no such edge");
 }
 
 void solve_piece(const Problem& problem, std::size_t c, const AlignedOptions& options, AlignedPiece& piece,

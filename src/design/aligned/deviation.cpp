@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "src/design/aligned/constraints.h"
+#include "src/design/feature_rows.h"
 
 namespace alcap {
 namespace {
@@ -49,9 +49,7 @@ void check(const ConnectedSurface& surface, const Field& field, const FeatureGra
   if (field.u.size() != mesh.vertices())
     throw OptionError("field", std::to_string(field.u.size()) + " values", "needs one per vertex");
   if (field.n % 2 != 0) throw OptionError("n", field.n, "must be even: a feature has no sense of direction");
-  if (features.vertices.size() != static_cast<std::size_t>(mesh.vertices()))
-    throw OptionError("features", std::to_string(features.vertices.size()) + " vertices",
-                      "must be a graph of this surface");
+  detail::check_features(mesh, features, field.n);
 }
 
 }  // namespace
@@ -72,7 +70,7 @@ FeatureReport measure_features(const ConnectedSurface& surface, const Field& fie
   for (const FeatureLine& line : features.lines) {
     Deviations here;
     for (const Index e : line.edges) {
-      const detail::EdgeRow row = detail::edge_row(surface, field.n, across, e);
+      const detail::EdgeRow row = detail::edge_row(mesh, surface.geometry(), surface.connection(), field.n, across, e);
       const double degrees = std::abs(std::arg(row.at(field.u) * std::conj(row.target))) / field.n * 180 / pi<double>;
       const bool at_corner = corner(row.i) || corner(row.j);
       here.add(degrees, row.weight, at_corner);

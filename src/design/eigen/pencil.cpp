@@ -4,12 +4,14 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "alcap/assembly.h"
 #include "solvers/eigenpair/lanczos_real.h"
 #include "solvers/eigenpair/problem.h"
 #include "solvers/linear/backends.h"
+#include "src/base/cancel.h"
 
 namespace alcap::detail {
 namespace {
@@ -23,6 +25,10 @@ constexpr double relative_shift = 1e-3;
 // Strokes so heavy that rounding in them hides the rest need more: by this factor, this many times.
 constexpr double shift_growth = 30;
 constexpr int shift_attempts = 4;
+// Solves are refined so often: heavy strokes cancel most of an update, and so does guidance of a large weight.
+constexpr int update_refinements = 2, guided_refinements = 1;
+// A number of about 1 that rounding in a factorisation could not make positive.
+constexpr double clearly_positive = 1e-11;
 // Up to so many vertices a dense solve is quicker.
 constexpr Eigen::Index dense_vertices = 48;
 
@@ -39,9 +45,10 @@ Rows sparse(const std::vector<RealRow>& rows, Eigen::Index vertices) {
 }
 
 /// A matrix from an expression. Eigen's constructors leak where memory runs out in the middle of them, assignments do
-/// not.
+/// not. Several large matrices are made one after the other, and nothing else asks whether to stop.
 template <class Matrix, class Expression>
 Matrix made_of(const Expression& expression) {
+  check_cancelled();
   Matrix out;
   out = expression;
   return out;
@@ -52,26 +59,42 @@ SparseMatrix<double> gram(const Rows& R) {
   return made_of<SparseMatrix<double>>(Rt * R);
 }
 
+/// A row over all vertices as a vector of the real view: Re(row* u) = interleaved(row)' interleaved(u).
+Vector interleaved(const ComplexVectorX<double>& row) {
+  return Eigen::Map<const Vector>(reinterpret_cast<const double*>(row.data()), 2 * row.size());
+}
+
 SparseMatrix<C> shifted_by(const SparseMatrix<C>& S, const SparseMatrix<C>& M, double shift) {
   return made_of<SparseMatrix<C>>(S - shift * M);
 }
 
 class Pencil {
  public:
+  /// `basis`: of the fields to look among; null: all. Kept by address.
   Pencil(const SparseMatrix<C>& S, const SparseMatrix<C>& M, const DesignRows& rows, double size,
-         const EigenDesignOptions& options)
-      : S_(S),
+         const EigenDesignOptions& options, const SparseMatrix<double>* basis = nullptr)
+      : T_(basis),
+        S_(S),
         M_(M),
         D_(sparse(rows.across, S.rows())),
         P_(sparse(rows.along, S.rows())),
         Dt_(made_of<SparseMatrix<double>>(D_.transpose())),
         Pt_(made_of<SparseMatrix<double>>(P_.transpose())),
+        q_(interleaved(rows.follow)),
         size_(size),
-        options_(options) {}
+        options_(options) {
+    if (T_ == nullptr) return;
+    if (guided()) q_ = Vector(T_->transpose() * q_);
+    inside_S_ = stiffness();
+    inside_M_ = mass();
+  }
 
   RealPair solve() {
     RealPair pair = solve_unproven();
-    judge(pair);
+    if (guided())
+      judge_guided(pair);
+    else
+      judge(pair);
     return pair;
   }
 
@@ -79,8 +102,7 @@ class Pencil {
   /// The other measures of a pair, and whether it is the smallest: by the signs of the pivots of the real matrices, as
   /// those of a complex problem whose entries happen to be real.
   void judge(RealPair& pair) const {
-    const auto S = made_of<SparseMatrix<C>>(made_of<SparseMatrix<double>>(real_view(S_) + gram(D_)).cast<C>()),
-               M = made_of<SparseMatrix<C>>(made_of<SparseMatrix<double>>(real_view(M_) + gram(P_)).cast<C>());
+    const auto S = made_of<SparseMatrix<C>>(stiffness().cast<C>()), M = made_of<SparseMatrix<C>>(mass().cast<C>());
     const EigenProblem problem{.S = S, .M = M, .area = size_, .transport = nullptr};
     EigenResult result{.u = pair.u.cast<C>(), .report = std::move(pair.report)};
     ComplexVector Su, Mu;
@@ -97,21 +119,128 @@ class Pencil {
     pair.report = std::move(result.report);
   }
 
+  /// The same where a row over all vertices belongs to the pencil, which is in no sparse matrix. It leaves S - sigma M
+  /// without eigenvalues below 0 when the matrices alone have none and 1 - q' (S - sigma M)^-1 q is positive
+  /// (Haynsworth 1968).
+  void judge_guided(RealPair& pair) const {
+    const SparseMatrix<double> S = stiffness(), M = mass();
+    const auto Sc = made_of<SparseMatrix<C>>(S.cast<C>()), Mc = made_of<SparseMatrix<C>>(M.cast<C>());
+    const EigenProblem problem{.S = Sc, .M = Mc, .area = size_, .transport = nullptr};
+    Vector Su(pair.u.size()), Mu(pair.u.size());
+    all_S(pair.u.data(), Su.data());
+    all_M(pair.u.data(), Mu.data());
+    EigenReport& report = pair.report;
+    const PairCheck check = check_residual(problem, report.lambda, (Su - report.lambda * Mu).cast<C>());
+    report.energy_residual = check.energy;
+    report.distance = check.distance;
+    if (report.converged && check.energy > options_.eigen.residual_tolerance()) {
+      report.converged = false;
+      report.message = not_reached;
+    }
+    EigenResult result{.u = pair.u.cast<C>(), .report = std::move(report)};
+    prove_smallest_with(
+        problem, options_.eigen, [&](double sigma) { return row_leaves_definite(S, M, sigma); }, result);
+    pair.report = std::move(result.report);
+  }
+
+  [[nodiscard]] std::optional<bool> row_leaves_definite(const SparseMatrix<double>& S, const SparseMatrix<double>& M,
+                                                        double sigma) const {
+    const auto A = made_of<SparseMatrix<double>>(S - sigma * M);
+    const auto solver =
+        make_linear_solver<double>({.name = preferred_factorisation(), .cancel = options_.eigen.cancel});
+    try {
+      solver->analyse(A);
+      solver->factorise(A);
+    } catch (const SolveError&) {
+      return std::nullopt;
+    }
+    MatrixX<double> Y(q_.size(), 1);
+    (void)solver->solve(q_, Y);
+    return 1 - q_.dot(Y.col(0)) > clearly_positive;
+  }
+
+  [[nodiscard]] bool guided() const { return q_.size() > 0; }
+
+  RealPair solve_dense() const {
+    if (!guided()) return smallest_dense_real(stiffness(), mass(), size_, options_.eigen);
+    const MatrixX<double> S = MatrixX<double>(stiffness()) - q_ * q_.transpose();
+    return smallest_dense_real(S.sparseView(0, 0), mass(), size_, options_.eigen);
+  }
+
   RealPair solve_unproven() {
-    if (S_.rows() <= dense_vertices)
-      return smallest_dense_real(real_view(S_) + gram(D_), real_view(M_) + gram(P_), size_, options_.eigen);
+    if (S_.rows() <= dense_vertices) return solve_dense();
     RealPencil pencil;
-    pencil.rows = 2 * S_.rows();
+    pencil.rows = unknowns();
     pencil.scale = size_;
-    pencil.S = [this](const double* x, double* y) { product(S_, D_, Dt_, x, y); };
-    pencil.M = [this](const double* x, double* y) { product(M_, P_, Pt_, x, y); };
-    const bool low = options_.path == EigenPath::low_rank ||
-                     (options_.path == EigenPath::automatic && D_.rows() <= options_.largest_rank);
+    pencil.S = [this](const double* x, double* y) { all_S(x, y); };
+    pencil.M = [this](const double* x, double* y) { all_M(x, y); };
+    const bool low = T_ == nullptr && (options_.path == EigenPath::low_rank ||
+                                       (options_.path == EigenPath::automatic && D_.rows() <= options_.largest_rank));
     if (low)
       prepare_update(pencil);
     else
       prepare_real(pencil);
+    if (guided()) add_guidance(pencil);
+    refine(pencil, std::max(low ? update_refinements : 0, guided() ? guided_refinements : 0));
     return smallest_lanczos_real(pencil, options_.eigen);
+  }
+
+  /// Of the real problem.
+  [[nodiscard]] Eigen::Index unknowns() const { return T_ == nullptr ? 2 * S_.rows() : T_->cols(); }
+  [[nodiscard]] SparseMatrix<double> stiffness() const { return inside(real_view(S_) + gram(D_)); }
+  [[nodiscard]] SparseMatrix<double> mass() const { return inside(real_view(M_) + gram(P_)); }
+  template <class Expression>
+  [[nodiscard]] SparseMatrix<double> inside(const Expression& all) const {
+    if (T_ == nullptr) return made_of<SparseMatrix<double>>(all);
+    const auto whole = made_of<SparseMatrix<double>>(all);
+    return made_of<SparseMatrix<double>>(T_->transpose() * whole * *T_);
+  }
+
+  void all_M(const double* x, double* y) const {
+    if (T_ == nullptr)
+      product(M_, P_, Pt_, x, y);
+    else
+      Eigen::Map<Vector>(y, unknowns()) = inside_M_ * Eigen::Map<const Vector>(x, unknowns());
+  }
+  void all_S(const double* x, double* y) const {
+    if (T_ == nullptr)
+      product(S_, D_, Dt_, x, y);
+    else
+      Eigen::Map<Vector>(y, unknowns()) = inside_S_ * Eigen::Map<const Vector>(x, unknowns());
+    if (!guided()) return;
+    const Eigen::Map<const Vector> in(x, q_.size());
+    Eigen::Map<Vector>(y, q_.size()) -= q_.dot(in) * q_;
+  }
+  /// From a solve with the sparse part of S - shift M to one with all of it (Sherman and Morrison 1950).
+  void add_guidance(RealPencil& pencil) {
+    solved_q_.resize(q_.size());
+    pencil.solve(q_.data(), solved_q_.data());
+    pencil.solve = [this, part = 1 - q_.dot(solved_q_), direct = std::move(pencil.solve)](const double* x, double* y) {
+      direct(x, y);
+      Eigen::Map<Vector> result(y, q_.size());
+      result += q_.dot(result) / part * solved_q_;
+    };
+  }
+
+  void refine(RealPencil& pencil, int steps) const {
+    if (steps == 0) return;
+    pencil.solve = [this, steps, shift = pencil.shift, direct = std::move(pencil.solve)](const double* x, double* y) {
+      const Eigen::Index size = unknowns();
+      const Eigen::Map<const Vector> b(x, size);
+      Eigen::Map<Vector> result(y, size);
+      Vector rest(size), Mx(size), change(size);
+      direct(x, y);
+      for (int step = 0; step < steps; ++step) {
+        all_S(y, rest.data());
+        if (shift < 0) {
+          all_M(y, Mx.data());
+          rest -= shift * Mx;
+        }
+        rest = b - rest;
+        direct(rest.data(), change.data());
+        result += change;
+      }
+    };
   }
 
   static void product(const SparseMatrix<C>& A, const Rows& R, const SparseMatrix<double>& Rt, const double* x,
@@ -129,11 +258,10 @@ class Pencil {
 
   void prepare_real(RealPencil& pencil) {
     real_ = make_linear_solver<double>(solver_options());
-    const auto stiffness = made_of<SparseMatrix<double>>(real_view(S_) + gram(D_)),
-               mass = made_of<SparseMatrix<double>>(real_view(M_) + gram(P_));
+    const SparseMatrix<double> S = stiffness(), M = mass();
     for (int attempt = 1;; ++attempt) {
       pencil.shift = attempt == 1 ? -relative_shift / size_ : shift_growth * pencil.shift;
-      const auto A = made_of<SparseMatrix<double>>(stiffness - pencil.shift * mass);
+      const auto A = made_of<SparseMatrix<double>>(S - pencil.shift * M);
       if (attempt == 1) real_->analyse(A);
       try {
         real_->factorise(A);
@@ -144,8 +272,8 @@ class Pencil {
     }
     pencil.name = real_->name();
     pencil.solve = [this](const double* x, double* y) {
-      const Eigen::Map<const MatrixX<double>> b(x, 2 * S_.rows(), 1);
-      Eigen::Map<MatrixX<double>> result(y, 2 * S_.rows(), 1);
+      const Eigen::Map<const MatrixX<double>> b(x, unknowns(), 1);
+      Eigen::Map<MatrixX<double>> result(y, unknowns(), 1);
       (void)real_->solve(b, result);
     };
   }
@@ -181,7 +309,7 @@ class Pencil {
     complex_ = make_linear_solver<C>(solver_options());
     if (same_pattern(S_, M_)) complex_->set_transport(M_);
     complex_->analyse(S_);
-    if (!factorise_unshifted()) {
+    if (guided() || !factorise_unshifted()) {
       pencil.shift = -relative_shift / size_;
       complex_->factorise(shifted_by(S_, M_, pencil.shift));
     }
@@ -200,23 +328,12 @@ class Pencil {
     MatrixX<double> G = Bt_ * Y_;
     G.diagonal().array() += 1;
     factor_.compute(G);
-    if (factor_.info() != Eigen::Success) throw SolveError("the stroke's update is not positive definite");
+    if (factor_.info() != Eigen::Success)
+      throw SolveError(
+          "the update for the strokes is not positive definite; EigenDesignOptions::largest_rank 0 does without it");
     pencil.name = complex_->name() + ", " + std::to_string(rank) + " rows";
-    pencil.solve = [this, &pencil](const double* x, double* y) {
-      const Eigen::Index size = 2 * S_.rows();
-      const Eigen::Map<const Vector> b(x, size);
-      Eigen::Map<Vector> result(y, size);
-      Vector Sx(size), Mx(size);
-      result = update(b);
-      // Refinement: heavy strokes cancel most of the first solve.
-      for (int step = 0; step < 2; ++step) {
-        pencil.S(y, Sx.data());
-        if (shift_ < 0) {
-          pencil.M(y, Mx.data());
-          Sx -= shift_ * Mx;
-        }
-        result += update(b - Sx);
-      }
+    pencil.solve = [this](const double* x, double* y) {
+      Eigen::Map<Vector>(y, 2 * S_.rows()) = update(Eigen::Map<const Vector>(x, 2 * S_.rows()));
     };
   }
 
@@ -229,10 +346,13 @@ class Pencil {
     return x;
   }
 
+  const SparseMatrix<double>* T_;
   const SparseMatrix<C>& S_;
   const SparseMatrix<C>& M_;
+  SparseMatrix<double> inside_S_, inside_M_;  // with T
   Rows D_, P_, Bt_;
   SparseMatrix<double> Dt_, Pt_;
+  Vector q_;  // its square is taken from S; empty without guidance
   double size_;
   const EigenDesignOptions& options_;
   double shift_ = 0;
@@ -240,21 +360,37 @@ class Pencil {
   std::unique_ptr<LinearSolver<C>> complex_;
   MatrixX<double> Y_;
   Eigen::LLT<MatrixX<double>> factor_;
+  Vector solved_q_;
 };
+
+}  // namespace
+
+namespace {
+
+EigenResult field_of(RealPair pair, const Vector& u, const SparseMatrix<C>& M) {
+  EigenResult result;
+  result.report = std::move(pair.report);
+  result.u = Eigen::Map<const ComplexVectorX<double>>(reinterpret_cast<const C*>(u.data()), M.rows());
+  ComplexVectorX<double> Mu(M.rows());
+  hermitian_product(M, result.u.data(), Mu.data());
+  result.u /= std::sqrt(result.u.dot(Mu).real());
+  return result;
+}
 
 }  // namespace
 
 EigenResult smallest_with_rows(const SparseMatrix<C>& S, const SparseMatrix<C>& M, const DesignRows& rows, double size,
                                const EigenDesignOptions& options) {
-  Pencil pencil(S, M, rows, size, options);
-  RealPair pair = pencil.solve();
-  EigenResult result;
-  result.report = std::move(pair.report);
-  result.u = Eigen::Map<const ComplexVectorX<double>>(reinterpret_cast<const C*>(pair.u.data()), S.rows());
-  ComplexVectorX<double> Mu(S.rows());
-  hermitian_product(M, result.u.data(), Mu.data());
-  result.u /= std::sqrt(result.u.dot(Mu).real());
-  return result;
+  RealPair pair = Pencil(S, M, rows, size, options).solve();
+  const Vector u = pair.u;
+  return field_of(std::move(pair), u, M);
+}
+
+EigenResult smallest_with_rows_in(const SparseMatrix<double>& T, const SparseMatrix<C>& S, const SparseMatrix<C>& M,
+                                  const DesignRows& rows, double size, const EigenDesignOptions& options) {
+  RealPair pair = Pencil(S, M, rows, size, options, &T).solve();
+  const Vector u = T * pair.u;
+  return field_of(std::move(pair), u, M);
 }
 
 }  // namespace alcap::detail

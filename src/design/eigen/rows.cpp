@@ -131,4 +131,51 @@ DesignRows stroke_rows(const Mesh& mesh, const Geometry& geometry, const Connect
   return rows;
 }
 
+std::vector<StrokeSample> samples_of_band(const std::vector<BandVertex>& band, int n) {
+  std::vector<StrokeSample> samples;
+  for (const BandVertex& at : band)
+    samples.push_back({.ds = at.share,
+                       .vertex = {at.vertex, at.vertex, at.vertex},
+                       .coefficient = {std::polar(1.0, -n * at.angle), 0, 0}});
+  return samples;
+}
+
+DesignRows band_rows(const ConnectedSurface& surface, int n, const std::vector<BandVertex>& band, double offset,
+                     bool quarter) {
+  const Mesh& mesh = surface.mesh();
+  std::vector<const BandVertex*> member(static_cast<std::size_t>(mesh.vertices()), nullptr);
+  DesignRows rows;
+  for (const BandVertex& at : band) {
+    member[static_cast<std::size_t>(at.vertex)] = &at;
+    const C direction = std::polar(1.0, n * at.angle);
+    rows.along.emplace_back().add(at.vertex, std::sqrt(at.share) * direction);
+    // Im(conj(d) u) = Re(conj(i d) u)
+    if (offset > 0) rows.across.emplace_back().add(at.vertex, std::sqrt(offset * at.share) * C(0, 1) * direction);
+  }
+  const auto add_face = [&](Index t) {
+    std::array<const BandVertex*, 3> corner{};
+    for (Index c = 0; c < 3; ++c) {
+      corner[static_cast<std::size_t>(c)] = member[static_cast<std::size_t>(mesh.F()(t, c))];
+      if (corner[static_cast<std::size_t>(c)] == nullptr) return;
+    }
+    const kernels::TriangleFrame<double> frame = triangle_frame(mesh, surface.geometry(), surface.connection(), t);
+    C tangent = 0;
+    double density = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      tangent += std::polar(1.0, corner[c]->angle - frame.rho[c] - (quarter ? pi<double> / 2 : 0));
+      density += corner[c]->density / 3;
+    }
+    if (!(std::abs(tangent) > 1e-6)) return;  // the line turns back
+    tangent /= std::abs(tangent);
+    const double scale = std::sqrt(density * surface.geometry().area(t));
+    RealRow& row = rows.across.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double slope = frame.grad[c].re * tangent.real() + frame.grad[c].im * tangent.imag();
+      row.add(corner[c]->vertex, scale * slope * C(0, 1) * std::polar(1.0, n * corner[c]->angle));
+    }
+  };
+  for (Index t = 0; t < mesh.faces(); ++t) add_face(t);
+  return rows;
+}
+
 }  // namespace alcap::detail

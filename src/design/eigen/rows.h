@@ -7,8 +7,9 @@
 #include <array>
 #include <vector>
 
-#include "alcap/connection.h"
+#include "alcap/connected_surface.h"
 #include "alcap/strokes.h"
+#include "src/design/stroke_band.h"
 
 namespace alcap::detail {
 
@@ -26,6 +27,8 @@ struct RealRow {
 struct DesignRows {
   std::vector<RealRow> across;  ///< added to the stiffness: what should be small
   std::vector<RealRow> along;   ///< added to the mass: what should be large
+  /// A row on all vertices, empty without guidance: (Re(follow* u))^2 is taken from the stiffness.
+  ComplexVectorX<double> follow = {};
 };
 
 /// A point of a stroke: weight ds, and conj(c^n) u there as coefficients of the face's corners.
@@ -47,9 +50,18 @@ struct StrokeSample {
 [[nodiscard]] std::vector<StrokeSample> samples_along(const Mesh& mesh, const Geometry& geometry,
                                                       const Connection& connection, int n, const SurfacePolyline& line);
 
+/// A stroke with a radius: every vertex of its band, weighted by its share of the length.
+[[nodiscard]] std::vector<StrokeSample> samples_of_band(const std::vector<BandVertex>& band, int n);
+
 /// Squares of `across` sum up to int (d/ds p)^2 + offset p^2 ds, p = Im(conj(c^n) u), those of `along` to
 /// int (Re(conj(c^n) u))^2 ds.
 [[nodiscard]] DesignRows stroke_rows(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
                                      const SurfacePolyline& given, double offset);
+
+/// The same spread over a band, with share for ds, hat / radius for the density of faces that lie in it, and d/ds p the
+/// derivative, along the line's tangent carried there, of p interpolated linearly between vertices. `quarter`: the
+/// band's angles are a quarter turn ahead of that tangent.
+[[nodiscard]] DesignRows band_rows(const ConnectedSurface& surface, int n, const std::vector<BandVertex>& band,
+                                   double offset, bool quarter);
 
 }  // namespace alcap::detail

@@ -178,23 +178,35 @@ void check(const DesignGuidance& g, int n) {
 }
 
 void check(const DesignFeatures& f, int n) {
-  if (!(f.angle > 0 && f.angle <= 180)) throw Problem{"/features/angle", number_text(f.angle), "must be in (0, 180]"};
+  const auto angle = [](const char* path, double value) {
+    if (!(value > 0 && value <= 180)) throw Problem{path, number_text(value), "must be in (0, 180]"};
+  };
+  const auto length = [](const char* path, double value) {
+    if (!(value >= 0) || !std::isfinite(value))
+      throw Problem{path, number_text(value), "must be finite and not negative"};
+  };
+  angle("/features/angle", f.angle);
+  angle("/features/corner_angle", f.corner_angle);
   check_weight("/features/weight", f.weight);
+  if (!(f.low_angle >= 0 && f.low_angle <= f.angle))
+    throw Problem{"/features/low_angle", number_text(f.low_angle), "must be 0 (off) or in (0, angle]"};
+  length("/features/gap", f.gap);
+  length("/features/spur", f.spur);
+  const bool named = !f.file.empty() || !f.edges.empty();
+  if (!f.file.empty() && !f.edges.empty())
+    throw Problem{"/features/edges", std::to_string(f.edges.size()) + " edges", "cannot be combined with file"};
+  if (named && f.low_angle > 0)
+    throw Problem{"/features/low_angle", number_text(f.low_angle), "goes with angle, not with file and edges"};
+  if (named && f.boundary)
+    throw Problem{"/features/boundary", "true", "goes with angle; file and edges name the boundary's themselves"};
   if (n % 2 != 0)
     throw Problem{"/features", "n = " + std::to_string(n), "needs an even n: a feature has no sense of direction"};
 }
 
-void check_eigen(const DesignFile& design) {
-  const auto refuse = [](const std::string& path, const std::string& value) {
-    throw Problem{path, value, "needs the variational method, and here it is eigen"};
-  };
-  if (design.guidance.source != DesignGuidance::Source::nothing)
-    refuse("/guidance", std::string(name(design.guidance.source)));
-  for (std::size_t k = 0; k < design.singularities.size(); ++k)
-    if (design.singularities[k].pin) refuse("/singularities/" + std::to_string(k) + "/pin", "true");
-  for (std::size_t k = 0; k < design.strokes.size(); ++k)
-    if (design.strokes[k].radius > 0)
-      refuse("/strokes/" + std::to_string(k) + "/radius", number_text(design.strokes[k].radius));
+/// In an eigenproblem lambda_t is what the weight of the guidance makes of it.
+void check_eigen(const DesignGuidance& g) {
+  if (g.source != DesignGuidance::Source::nothing && g.t)
+    throw Problem{"/guidance/t", number_text(*g.t), "needs the variational method, and here it is eigen; give weight"};
 }
 
 std::string at(const char* list, std::size_t k) { return std::string("/") + list + "/" + std::to_string(k); }
@@ -305,6 +317,12 @@ void check_with_mesh(const DesignFile& design, const detail::DesignTarget& mesh)
     for (std::size_t v = 0; v < design.strokes[k].vertices.size(); ++v)
       vertex(at("strokes", k) + "/vertices/" + std::to_string(v), design.strokes[k].vertices[v]);
   }
+  for (std::size_t k = 0; k < design.features.edges.size(); ++k)
+    for (const Index v : design.features.edges[k]) {
+      const std::string path = at("features/edges", k);
+      if (v < 0) throw Problem{path, std::to_string(v), "must not be negative"};
+      vertex(path, v);
+    }
   const auto weights = static_cast<std::int64_t>(design.guidance.weights.size());
   if (weights > 0 && weights != mesh.vertices)
     throw Problem{"/guidance/weights", std::to_string(weights) + " values",
@@ -325,7 +343,7 @@ void detail::check_design_values(const DesignFile& design) {
   check(design.guidance, design.n);
   if (design.boundary.wanted) check_weight("/boundary/weight", design.boundary.weight);
   if (design.features.wanted) check(design.features, design.n);
-  if (design.method == DesignMethod::eigen) check_eigen(design);
+  if (design.method == DesignMethod::eigen) check_eigen(design.guidance);
   for (std::size_t k = 0; k < design.singularities.size(); ++k)
     check(at("singularities", k), design.singularities[k], design.n);
   for (std::size_t k = 0; k < design.fixed.size(); ++k) check(at("fixed", k), design.fixed[k]);
@@ -359,6 +377,7 @@ std::vector<Index> detail::vertices_of(const DesignFile& design) {
   for (const Cone& c : design.connection.cones) vertices.push_back(c.vertex);
   for (const DesignFixed& f : design.fixed) vertices.push_back(f.vertex);
   for (const DesignStroke& s : design.strokes) vertices.insert(vertices.end(), s.vertices.begin(), s.vertices.end());
+  for (const auto& edge : design.features.edges) vertices.insert(vertices.end(), edge.begin(), edge.end());
   return vertices;
 }
 

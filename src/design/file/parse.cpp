@@ -210,11 +210,42 @@ DesignStroke read_stroke(const Node& node) {
   return s;
 }
 
-DesignFeatures read_features(const Node& node) {
-  node.keys({"angle", "weight"});
+std::string file_name(const Node& node) {
+  std::string text = node.text();
+  if (text.empty() || text.find('\0') != std::string::npos) node.fail("must be the name of a file");
+  return text;
+}
+
+DesignFeatures read_features(const Node& node, const std::filesystem::path& folder) {
+  node.keys(
+      {"angle", "weight", "hold", "across", "file", "edges", "boundary", "corner_angle", "low_angle", "gap", "spur"});
   DesignFeatures f{.wanted = true};
-  if (const auto x = node.find("angle")) f.angle = x->number();
-  if (const auto x = node.find("weight")) f.weight = x->number();
+  const auto number = [&](const char* key, double& value) {
+    if (const auto x = node.find(key)) value = x->number();
+  };
+  const auto flag = [&](const char* key, bool& value) {
+    const auto x = node.find(key);
+    if (x && !x->is_bool()) x->fail("must be true or false");
+    if (x) value = x->boolean();
+  };
+  number("angle", f.angle);
+  number("weight", f.weight);
+  number("corner_angle", f.corner_angle);
+  number("low_angle", f.low_angle);
+  number("gap", f.gap);
+  number("spur", f.spur);
+  flag("hold", f.hold);
+  flag("across", f.across);
+  flag("boundary", f.boundary);
+  const auto file = node.find("file"), edges = node.find("edges");
+  if (file) f.file = folder / file_name(*file);
+  for (const Node& pair : edges ? edges->list() : std::vector<Node>{}) {
+    const std::vector<Node> ends = pair.list();
+    if (ends.size() != 2) pair.fail("must be a list of two vertices");
+    f.edges.push_back({ends[0].whole<Index>(), ends[1].whole<Index>()});
+  }
+  if (edges && f.edges.empty()) edges->fail("needs an edge at least");
+  if ((file || edges) && node.find("angle")) node.at("angle").fail("cannot be combined with file and edges");
   return f;
 }
 
@@ -315,9 +346,7 @@ DesignGuidance read_guidance(const Node& node, const std::filesystem::path& fold
     g.source = pick(*field, named({smoothest, curvature, least_curvature, strongest_curvature, zero}));
   } else {
     g.source = DesignGuidance::Source::file;
-    const std::string text = file->text();
-    if (text.empty() || text.find('\0') != std::string::npos) file->fail("must be the name of a file");
-    g.file = folder / text;
+    g.file = folder / file_name(*file);
   }
   if (const auto x = node.find("weight")) g.weight = x->number();
   if (const auto x = node.find("t")) {
@@ -375,7 +404,7 @@ DesignFile read_all(const Node& node, const std::filesystem::path& folder) {
   }
   if (const auto x = node.find("s")) design.s = x->number();
   if (const auto x = node.find("boundary")) design.boundary = read_boundary(*x);
-  if (const auto x = node.find("features")) design.features = read_features(*x);
+  if (const auto x = node.find("features")) design.features = read_features(*x, folder);
   if (const auto x = node.find("connection")) design.connection = read_connection(*x);
   if (const auto x = node.find("guidance")) design.guidance = read_guidance(*x, folder);
   if (const auto x = node.find("singularities"))

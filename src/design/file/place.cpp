@@ -12,6 +12,7 @@
 
 #include "alcap/design_file.h"
 #include "alcap/errors.h"
+#include "alcap/mesh_io.h"
 #include "src/design/file/problem.h"
 
 namespace alcap {
@@ -96,6 +97,41 @@ std::string detail::label(const DesignStroke& s, std::size_t number) {
 }
 std::string detail::label(const DesignBoundary& b) { return b.normal ? "across the boundary" : "along the boundary"; }
 
+std::string detail::label(const DesignFeatures& f) { return f.across ? "across features" : "along features"; }
+
+void detail::place_points(DesignFile& design, const Nearest& nearest) {
+  for (const DesignConeAt& cone : design.connection.cones_at)
+    design.connection.cones.push_back({.vertex = nearest.vertex(cone.at), .index = cone.index});
+  design.connection.cones_at.clear();
+  for (DesignSingularity& s : design.singularities) {
+    if (s.at) {
+      const SurfacePoint point = nearest.point(*s.at);
+      s.face = point.face;
+      if (s.pin) s.barycentric = point.barycentric;
+      s.at.reset();
+    } else if (s.pin && !s.barycentric) {
+      s.barycentric = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+    }
+  }
+  for (DesignFixed& f : design.fixed) {
+    if (!f.at) continue;
+    f.vertex = nearest.vertex(*f.at);
+    f.at.reset();
+  }
+  for (DesignStroke& s : design.strokes) {
+    for (DesignPoint& p : s.points) {
+      if (!p.at) continue;
+      const SurfacePoint point = nearest.point(*p.at);
+      p = {.face = point.face, .barycentric = point.barycentric};
+    }
+    for (const Vector3& x : s.path) {
+      const SurfacePoint point = nearest.point(x);
+      s.points.push_back({.face = point.face, .barycentric = point.barycentric});
+    }
+    s.path.clear();
+  }
+}
+
 std::vector<DesignStroke> feature_strokes(const FeatureGraph& features, double weight) {
   std::vector<DesignStroke> strokes;
   for (const FeatureLine& line : features.lines)
@@ -104,52 +140,64 @@ std::vector<DesignStroke> feature_strokes(const FeatureGraph& features, double w
   return strokes;
 }
 
+FeatureGraph design_features(const DesignFile& design, const Surface& surface) {
+  const DesignFeatures& f = design.features;
+  const SharpEdgeOptions options{.angle = f.angle * degree,
+                                 .corner_angle = f.corner_angle * degree,
+                                 .boundary = f.boundary,
+                                 .low_angle = f.low_angle * degree,
+                                 .gap = f.gap,
+                                 .spur = f.spur};
+  if (f.file.empty() && f.edges.empty()) return sharp_edges(surface, options);
+  std::vector<Index> edges;
+  if (!f.file.empty()) {
+    const auto pairs = read_feature_edges(surface.F(), surface.mesh().vertices(), f.file);
+    detail::at_path("/features/file", [&] { edges = edges_between(surface, pairs); });
+  }
+  for (std::size_t k = 0; k < f.edges.size(); ++k)
+    detail::at_path(detail::path_of("features/edges", k),
+                    [&] { edges.push_back(edges_between(surface, {f.edges[k]}).front()); });
+  return feature_graph(surface, std::move(edges), options);
+}
+
+namespace {
+
+/// Strokes for features that draw along them; the others by their edges, none where there are none.
+void place_features(const Surface& surface, DesignFile& placed) {
+  const DesignFeatures asked = placed.features;
+  const FeatureGraph graph = design_features(placed, surface);
+  placed.features = {};
+  if (!asked.hold && !asked.across) {
+    for (DesignStroke& s : feature_strokes(graph, asked.weight)) placed.strokes.push_back(std::move(s));
+    return;
+  }
+  if (graph.edges.empty()) return;
+  placed.features = {.wanted = true,
+                     .weight = asked.weight,
+                     .hold = asked.hold,
+                     .across = asked.across,
+                     .corner_angle = asked.corner_angle};
+  for (const Index e : graph.edges) {
+    const Index h = surface.mesh().halfedge(e);
+    placed.features.edges.push_back({surface.mesh().tail(h), surface.mesh().tip(h)});
+  }
+}
+
+}  // namespace
+
 DesignFile place_design(const DesignFile& design, const Surface& surface) {
   const Mesh& mesh = surface.mesh();
   const Positions<double>& V = surface.positions();
   check_design(design, mesh);
   DesignFile placed = design;
-  if (design.features.wanted) {
-    const FeatureGraph graph =
-        sharp_edges(surface, {.angle = design.features.angle * pi<double> / 180, .boundary = false});
-    for (DesignStroke& s : feature_strokes(graph, design.features.weight)) placed.strokes.push_back(std::move(s));
-    placed.features = {};
-  }
+  if (design.features.wanted) place_features(surface, placed);
   std::optional<SurfaceLocator> locator;  // made when a point of space is met
-  const auto nearest_point = [&](const Vector3& at) {
-    if (!locator) locator.emplace(surface);
-    return locator->closest(row(at));
-  };
-  for (const DesignConeAt& cone : placed.connection.cones_at)
-    placed.connection.cones.push_back({.vertex = nearest_vertex(mesh, V, cone.at), .index = cone.index});
-  placed.connection.cones_at.clear();
-  for (DesignSingularity& s : placed.singularities) {
-    if (s.at) {
-      const SurfacePoint point = nearest_point(*s.at);
-      s.face = point.face;
-      if (s.pin) s.barycentric = point.barycentric;
-      s.at.reset();
-    } else if (s.pin && !s.barycentric) {
-      s.barycentric = {1.0 / 3, 1.0 / 3, 1.0 / 3};
-    }
-  }
-  for (DesignFixed& f : placed.fixed) {
-    if (!f.at) continue;
-    f.vertex = nearest_vertex(mesh, V, *f.at);
-    f.at.reset();
-  }
-  for (DesignStroke& s : placed.strokes) {
-    for (DesignPoint& p : s.points) {
-      if (!p.at) continue;
-      const SurfacePoint point = nearest_point(*p.at);
-      p = {.face = point.face, .barycentric = point.barycentric};
-    }
-    for (const Vector3& x : s.path) {
-      const SurfacePoint point = nearest_point(x);
-      s.points.push_back({.face = point.face, .barycentric = point.barycentric});
-    }
-    s.path.clear();
-  }
+  detail::place_points(placed, {.point =
+                                    [&](const Vector3& at) {
+                                      if (!locator) locator.emplace(surface);
+                                      return locator->closest(row(at));
+                                    },
+                                .vertex = [&](const Vector3& at) { return nearest_vertex(mesh, V, at); }});
   detail::apply_edits(surface, placed);
   check_design(placed, mesh);  // two points may be nearest to one vertex
   return placed;
@@ -210,6 +258,12 @@ std::vector<DesignControl> design_controls(const DesignFile& design, const Conne
   if (design.boundary.wanted)
     controls.push_back({"/boundary", detail::label(design.boundary),
                         BoundaryAlignment{.normal = design.boundary.normal, .weight = design.boundary.weight}});
+  if (const DesignFeatures& f = design.features; f.wanted)
+    controls.push_back({"/features", detail::label(f),
+                        FeatureAlignment{.features = design_features(design, surface.surface()),
+                                         .across = f.across,
+                                         .weight = f.weight,
+                                         .hold = f.hold}});
   return controls;
 }
 

@@ -33,6 +33,14 @@ void check_design_on(const DesignFile& design, const DesignTarget& mesh);
 /// Every vertex that a design names, in no order, those that no mesh has included.
 [[nodiscard]] std::vector<Index> vertices_of(const DesignFile& design);
 
+/// What lies nearest to a point of space.
+struct Nearest {
+  std::function<SurfacePoint(const Vector3&)> point;
+  std::function<Index(const Vector3&)> vertex;
+};
+/// Gives cones, singularities, fixed vertices and strokes their faces and vertices, where a design has points of space.
+void place_points(DesignFile& design, const Nearest& nearest);
+
 /// What the designer is asked for, of a placed singularity or fixed vertex. Faces and vertices are those of the mesh
 /// given, which may be a part of the user's; `path` is for messages. Throw OptionError.
 [[nodiscard]] SingularityTarget target_of(const DesignSingularity& s, const std::string& path, const Mesh& mesh,
@@ -59,5 +67,6 @@ void apply_edits(const Surface& surface, DesignFile& design);
 [[nodiscard]] std::string label(const DesignFixed& f);
 [[nodiscard]] std::string label(const DesignStroke& s, std::size_t number);
 [[nodiscard]] std::string label(const DesignBoundary& b);
+[[nodiscard]] std::string label(const DesignFeatures& f);
 
 }  // namespace alcap::detail

@@ -70,6 +70,33 @@ Json json_of(const DesignStroke& s) {
   return json;
 }
 
+Json json_of(const DesignFeatures& f) {
+  Json json = Json::object();
+  const DesignFeatures standard;
+  const auto number = [&](const char* key, double value, double usual) {
+    if (value != usual) json[key] = value;
+  };
+  const auto flag = [&](const char* key, bool value) {
+    if (value) json[key] = true;
+  };
+  if (!f.file.empty()) {
+    json["file"] = f.file.string();
+  } else if (f.edges.empty()) {
+    json["angle"] = f.angle;
+  } else {
+    for (const auto& edge : f.edges) json["edges"].push_back(edge);
+  }
+  number("weight", f.weight, standard.weight);
+  flag("hold", f.hold);
+  flag("across", f.across);
+  flag("boundary", f.boundary);
+  number("corner_angle", f.corner_angle, standard.corner_angle);
+  number("low_angle", f.low_angle, standard.low_angle);
+  number("gap", f.gap, standard.gap);
+  number("spur", f.spur, standard.spur);
+  return json;
+}
+
 Json json_of(const DesignConnection& c) {
   Json json = Json::object();
   json["kind"] = name(ConnectionChoice{c.kind, c.center});
@@ -159,10 +186,7 @@ std::string design_text(const DesignFile& design) {
     json["boundary"]["align"] = design.boundary.normal ? "normal" : "tangent";
     if (design.boundary.weight != 1) json["boundary"]["weight"] = design.boundary.weight;
   }
-  if (design.features.wanted) {
-    json["features"]["angle"] = design.features.angle;
-    if (design.features.weight != 1) json["features"]["weight"] = design.features.weight;
-  }
+  if (design.features.wanted) json["features"] = json_of(design.features);
   write_list(json, "edits", design.edits);
   // Texts from outside JSON may hold anything; what is not UTF-8 is replaced.
   return json.text(2) + "\n";

@@ -37,7 +37,7 @@ const SingularityTarget& Designer::State::singularity(ControlId id) const {
   const auto at = controls.find(id);
   if (at == controls.end()) throw OptionError("id", static_cast<int>(id), "there is no such control");
   const auto* target = std::get_if<SingularityTarget>(&at->second);
-  if (!target) throw OptionError("id", static_cast<int>(id), "this control is no singularity");
+  if (!target) throw OptionError("id", static_cast<int>(id), "this control is not a singularity");
   return *target;
 }
 
@@ -195,13 +195,17 @@ DesignResult Designer::solve() {
   if (s.controls.empty() && s.guidance.isZero(0)) detail::throw_nothing_asked();
   DesignResult result;
   controlled(s.options.control, [&] {
-    s.choose_folding();
-    s.factorise();
     result.field.n = s.options.n;
     result.field.frames = s.frames;
-    const ComplexVectorX<double> load = s.solve_loads(result);
-    s.apply_rows(load, result);
-    result.solver = s.solver->name();
+    if (s.holds_features()) {
+      s.solve_held(result);
+    } else {
+      s.choose_folding();
+      s.factorise();
+      const ComplexVectorX<double> load = s.solve_loads(result);
+      s.apply_rows(load, result);
+      result.solver = s.solver->name();
+    }
     s.tell("analysis");
     for (const auto& [id, control] : s.controls) result.controls.push_back(s.judge(id, control, result.field));
   });

@@ -12,7 +12,8 @@ constexpr double exact_compliance = 1e-12;
 
 }  // namespace
 
-void append_real_rows(const ControlRow& row, Eigen::Index number, double kernel_weight, std::vector<RealRow>& out) {
+void append_real_rows(const ControlRow& row, Eigen::Index number, double kernel_weight,
+                      std::vector<RowFunctional>& out) {
   using C = Complex<double>;
   if (row.direction_only) {
     const C along = std::conj(row.target) / std::abs(row.target);
@@ -25,10 +26,10 @@ void append_real_rows(const ControlRow& row, Eigen::Index number, double kernel_
   }
 }
 
-VectorX<double> multipliers(const std::vector<RealRow>& rows, const MatrixX<Complex<double>>& response,
+VectorX<double> multipliers(const std::vector<RowFunctional>& rows, const MatrixX<Complex<double>>& response,
                             const ComplexVectorX<double>& values) {
   const auto count = static_cast<Eigen::Index>(rows.size());
-  const auto row = [&](Eigen::Index i) -> const RealRow& { return rows[static_cast<std::size_t>(i)]; };
+  const auto row = [&](Eigen::Index i) -> const RowFunctional& { return rows[static_cast<std::size_t>(i)]; };
   MatrixX<double> G(count, count);
   VectorX<double> missing(count);
   for (Eigen::Index j = 0; j < count; ++j) {
@@ -41,7 +42,7 @@ VectorX<double> multipliers(const std::vector<RealRow>& rows, const MatrixX<Comp
   return G.ldlt().solve(missing);
 }
 
-ComplexVectorX<double> complex_multipliers(const std::vector<RealRow>& rows, const VectorX<double>& mu,
+ComplexVectorX<double> complex_multipliers(const std::vector<RowFunctional>& rows, const VectorX<double>& mu,
                                            Eigen::Index count) {
   ComplexVectorX<double> sum = ComplexVectorX<double>::Zero(count);
   for (std::size_t i = 0; i < rows.size(); ++i)

@@ -12,7 +12,7 @@
 namespace alcap::detail {
 
 /// A row as one of its real functionals Re(factor row.at(u)) = target.
-struct RealRow {
+struct RowFunctional {
   Eigen::Index number = 0;  ///< of the row among all
   Complex<double> factor;
   double target = 0;
@@ -21,14 +21,16 @@ struct RealRow {
 
 /// Appends the one or two functionals of row `number`. `kernel_weight`: what exact rows are in the matrix with as well,
 /// 0 where they are not.
-void append_real_rows(const ControlRow& row, Eigen::Index number, double kernel_weight, std::vector<RealRow>& out);
+void append_real_rows(const ControlRow& row, Eigen::Index number, double kernel_weight,
+                      std::vector<RowFunctional>& out);
 
 /// mu of every functional, from R A^-1 R' and R A^-1 b of all rows.
-[[nodiscard]] VectorX<double> multipliers(const std::vector<RealRow>& rows, const MatrixX<Complex<double>>& response,
+[[nodiscard]] VectorX<double> multipliers(const std::vector<RowFunctional>& rows,
+                                          const MatrixX<Complex<double>>& response,
                                           const ComplexVectorX<double>& values);
 
 /// The same as one complex number for each of `count` rows: R' mu is the sum of row' times it.
-[[nodiscard]] ComplexVectorX<double> complex_multipliers(const std::vector<RealRow>& rows, const VectorX<double>& mu,
-                                                         Eigen::Index count);
+[[nodiscard]] ComplexVectorX<double> complex_multipliers(const std::vector<RowFunctional>& rows,
+                                                         const VectorX<double>& mu, Eigen::Index count);
 
 }  // namespace alcap::detail

@@ -3,13 +3,13 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <functional>
-#include <queue>
 #include <string>
 #include <utility>
 
 #include "src/connection/triangle_frame.h"
+#include "src/design/feature_rows.h"
 #include "src/design/singularity_parts.h"
+#include "src/design/stroke_band.h"
 #include "src/design/weight_range.h"
 #include "src/mesh/position.h"
 
@@ -17,10 +17,6 @@ namespace alcap::detail {
 namespace {
 
 using C = Complex<double>;
-
-// A target's flux, in units of 2 pi sqrt(area of its face): the field it makes is several unit lengths long at the rim
-// of the face, so that strength 1 outweighs a unit guidance field there.
-constexpr double target_flux = 4;
 
 void check_positive(const char* name, double value) {
   if (!(value > 0) || !std::isfinite(value)) throw OptionError(name, value, "must be positive and finite");
@@ -57,7 +53,8 @@ void check_target(const Mesh& mesh, const SingularityTarget& target) {
   if (!std::isfinite(target.orientation)) throw OptionError("orientation", target.orientation, "must be finite");
 }
 
-ControlRow ControlLoads::point_row(const SurfacePoint& p) const {
+ControlRow point_row(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                     const SurfacePoint& p) {
   const kernels::TriangleFrame<double> frame = triangle_frame(mesh, geometry, connection, p.face);
   const double b[3] = {p.barycentric[0], p.barycentric[1], p.barycentric[2]};
   const kernels::BasisAt<double> basis = kernels::basis_at(frame, b, double(n));
@@ -69,6 +66,21 @@ ControlRow ControlLoads::point_row(const SurfacePoint& p) const {
   return row;
 }
 
+ControlRow pin_row(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                   const SingularityTarget& target, Index face) {
+  constexpr std::array<double, 3> middle = {1.0 / 3, 1.0 / 3, 1.0 / 3};
+  return point_row(mesh, geometry, connection, n, {face, face == target.face ? *target.pin : middle});
+}
+
+std::vector<ControlRow> pin_rows(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                 const SingularityTarget& target) {
+  std::vector<ControlRow> rows;
+  if (!target.pin) return rows;
+  for (const SingularityPart& zero : singularity_parts(mesh, geometry, n, target))
+    rows.push_back(pin_row(mesh, geometry, connection, n, target, zero.face));
+  return rows;
+}
+
 double ControlLoads::stroke_weight(double weight) const {
   check_weight("weight", weight);
   return weight * stroke_scale / std::sqrt(total_area);
@@ -76,23 +88,28 @@ double ControlLoads::stroke_weight(double weight) const {
 
 ControlLoad ControlLoads::operator()(const SingularityTarget& target) const {
   check_target(mesh, target);
-  // Turning the pattern by beta turns (d, c) by (n-1) beta, s by (n+1) beta; a swirl angle (n = 1) is (d, c)'s own.
-  const double flux = target.strength * target_flux * 2 * pi<double> * std::sqrt(geometry.area(target.face));
-  ControlLoad out{.density =
-                      std::polar(flux / geometry.area(target.face), target_turns(n, target) * target.orientation)};
-  const ComplexVectorX<double>& coefficients = target.sign > 0 ? operators.p : operators.q;
-  for (const SingularityPart& zero : singularity_parts(mesh, geometry, n, target)) {
-    TargetPart part{.face = zero.face};
-    // All zeros of a target have the same flux.
-    const C factor = std::conj(zero.factor) * std::sqrt(geometry.area(target.face) / geometry.area(zero.face));
-    for (Index c = 0; c < 3; ++c)
-      part.coefficient[static_cast<std::size_t>(c)] = factor * coefficients[3 * zero.face + c];
-    out.parts.push_back(part);
-    if (target.pin)
-      out.rows.push_back(point_row(
-          {zero.face, zero.face == target.face ? *target.pin : std::array<double, 3>{1.0 / 3, 1.0 / 3, 1.0 / 3}}));
-  }
+  const double area = geometry.area(target.face);
+  ControlLoad out{.density = target_density(target, area)};
+  for (const SingularityPart& zero : singularity_parts(mesh, geometry, n, target)) add_part(zero, target, area, out);
   return out;
+}
+
+C ControlLoads::target_density(const SingularityTarget& target, double area) const {
+  // Turning the pattern by beta turns (d, c) by (n-1) beta, s by (n+1) beta; a swirl angle (n = 1) is (d, c)'s own.
+  const double flux = target.strength * target_flux * 2 * pi<double> * std::sqrt(area);
+  return std::polar(flux / area, target_turns(n, target) * target.orientation);
+}
+
+void ControlLoads::add_part(const SingularityPart& zero, const SingularityTarget& target, double area,
+                            ControlLoad& load) const {
+  const ComplexVectorX<double>& coefficients = target.sign > 0 ? operators.p : operators.q;
+  TargetPart part{.face = zero.face};
+  // All zeros of a target have the same flux.
+  const C factor = std::conj(zero.factor) * std::sqrt(area / geometry.area(zero.face));
+  for (Index c = 0; c < 3; ++c)
+    part.coefficient[static_cast<std::size_t>(c)] = factor * coefficients[3 * zero.face + c];
+  load.parts.push_back(part);
+  if (target.pin) load.rows.push_back(pin_row(mesh, geometry, connection, n, target, zero.face));
 }
 
 ControlLoad ControlLoads::operator()(const VertexConstraint& constraint) const {
@@ -172,59 +189,12 @@ ControlLoad ControlLoads::along_points(const Stroke& stroke) const {
   return out;
 }
 
-// Every vertex within the radius (along edges, from the nearest middle of a segment) is drawn to the stroke's direction
-// there, carried to it by the connection. Its share of the weight: its area times the hat, over the radius, so that the
-// sum is that of the line wherever the surface is flat and fine.
+// Every vertex within the radius is drawn to the stroke's direction there.
 ControlLoad ControlLoads::footprint(const Stroke& stroke) const {
-  struct Reach {
-    double distance;
-    Index vertex;
-    C direction;
-    bool operator>(const Reach& other) const {
-      return std::pair(distance, vertex) > std::pair(other.distance, other.vertex);
-    }
-  };
   const double scale = stroke_weight(stroke.weight);
-  std::priority_queue<Reach, std::vector<Reach>, std::greater<>> open;
-  for (const SurfaceSegment& segment : stroke.line.segments) {
-    const std::array<double, 3> middle = segment.at(0.5);
-    // Of the face in its frame.
-    const C place[3] = {0, geometry.length(mesh.edge(3 * segment.face)),
-                        std::polar(geometry.length(mesh.edge(3 * segment.face + 2)), geometry.angle(3 * segment.face))};
-    const C x = middle[1] * place[1] + middle[2] * place[2];
-    for (Index c = 0; c < 3; ++c) {
-      std::array<double, 3> corner{};
-      corner[static_cast<std::size_t>(c)] = 1;
-      const C to_face = point_row({segment.face, corner}).coefficient[static_cast<std::size_t>(c)];
-      const Index v = mesh.F()(segment.face, c);
-      open.push({std::abs(place[c] - x), v, std::polar(1.0, n * std::arg(segment.tangent)) * std::conj(to_face)});
-    }
-  }
   ControlLoad out;
-  std::vector<bool> reached(static_cast<std::size_t>(mesh.vertices()), false);
-  while (!open.empty()) {
-    const Reach at = open.top();
-    open.pop();
-    if (at.distance >= stroke.radius) break;
-    if (reached[static_cast<std::size_t>(at.vertex)]) continue;
-    reached[static_cast<std::size_t>(at.vertex)] = true;
-    double area = 0;
-    const auto step = [&](Index h, double sign) {
-      const double distance = at.distance + geometry.length(mesh.edge(h));
-      const Index other = sign > 0 ? mesh.tip(h) : mesh.tail(h);
-      open.push({distance, other, at.direction * std::polar(1.0, -sign * n * connection.rho_along(mesh, h))});
-    };
-    mesh.for_each_outgoing(at.vertex, [&](Index h) {
-      area += geometry.area(mesh.face(h)) / 3;
-      step(h, 1);
-      const Index before = mesh.prev(h);
-      if (mesh.twin(before) == none) step(before, -1);
-    });
-    const double hat = 1 - at.distance / stroke.radius;
-    out.rows.push_back(vertex_row(at.vertex, at.direction, scale * area * hat / stroke.radius));
-  }
-  if (out.rows.empty())
-    throw OptionError("radius", stroke.radius, "is too small: no vertex is that close to the stroke");
+  for (const BandVertex& at : stroke_band(mesh, geometry, connection, stroke.line, stroke.radius))
+    out.rows.push_back(vertex_row(at.vertex, std::polar(1.0, n * at.angle), scale * at.share));
   return out;
 }
 
@@ -256,6 +226,22 @@ std::vector<ControlRow> ControlLoads::boundary_rows(const BoundaryAlignment& ali
 ControlLoad ControlLoads::operator()(const BoundaryAlignment& alignment) const {
   ControlLoad out{.rows = boundary_rows(alignment)};
   if (out.rows.empty()) throw OptionError("boundary", "none", "this mesh has no boundary to align with");
+  return out;
+}
+
+ControlLoad ControlLoads::operator()(const FeatureAlignment& alignment) const {
+  check_features(mesh, alignment.features, n);
+  if (alignment.features.edges.empty()) throw OptionError("features", "none", "needs feature edges to align with");
+  const double scale = stroke_weight(alignment.weight);
+  ControlLoad out;
+  for (const Index e : alignment.features.edges) {
+    const EdgeRow row = edge_row(mesh, geometry, connection, n, alignment.across, e);
+    out.rows.push_back({.vertex = {row.i, row.j, row.i},
+                        .coefficient = {row.a, row.b, 0},
+                        .target = row.target,
+                        .weight = scale * row.weight});
+  }
+  if (alignment.hold) out.held = directions_at_features(mesh, connection, alignment.features, n, alignment.across).held;
   return out;
 }
 

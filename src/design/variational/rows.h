@@ -11,12 +11,16 @@
 #include "alcap/field.h"
 #include "alcap/frames.h"
 #include "alcap/operators.h"
+#include "src/design/singularity_parts.h"
 
 namespace alcap::detail {
 
 /// Weight per length of a stroke of weight 1, times sqrt(area) of the surface: the same on every mesh and in every
 /// unit.
 inline constexpr double stroke_scale = 40;
+/// A target's flux, in units of 2 pi sqrt(area of its face): the field it makes is several unit lengths long at the rim
+/// of the face, so that strength 1 outweighs a unit guidance field there.
+inline constexpr double target_flux = 4;
 
 /// sum_k coefficient_k u[vertex_k] = target: softly (weight |.|^2 in twice the energy), or exactly (weight 0).
 struct ControlRow {
@@ -62,6 +66,7 @@ struct ControlLoad {
   std::vector<TargetPart> parts = {};  ///< of a target
   Complex<double> density = 0;         ///< its load is density conj(coefficient) at the corners of each part's face
   std::vector<ControlRow> rows = {};
+  std::vector<VertexConstraint> held = {};  ///< directions of features: too many for rows, and none may turn over
 
   [[nodiscard]] bool target() const { return !parts.empty(); }
   [[nodiscard]] bool soft() const { return !rows.empty() && rows.front().weight > 0; }
@@ -74,6 +79,16 @@ struct ControlLoad {
         add(mesh.F()(part.face, c), std::conj(part.coefficient[static_cast<std::size_t>(c)]) * of_density);
   }
 };
+
+/// The field at a point in the face's frame.
+[[nodiscard]] ControlRow point_row(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                   const SurfacePoint& p);
+/// The field at the pin of the zero in this face, which is held at 0.
+[[nodiscard]] ControlRow pin_row(const Mesh& mesh, const Geometry& geometry, const Connection& connection, int n,
+                                 const SingularityTarget& target, Index face);
+/// Of all zeros of a target; none without a pin.
+[[nodiscard]] std::vector<ControlRow> pin_rows(const Mesh& mesh, const Geometry& geometry, const Connection& connection,
+                                               int n, const SingularityTarget& target);
 
 /// Turns controls into loads and rows. Keeps references. Every overload throws OptionError naming what is wrong.
 struct ControlLoads {
@@ -89,9 +104,16 @@ struct ControlLoads {
   [[nodiscard]] ControlLoad operator()(const VertexConstraint& constraint) const;
   [[nodiscard]] ControlLoad operator()(const Stroke& stroke) const;
   [[nodiscard]] ControlLoad operator()(const BoundaryAlignment& alignment) const;
+  [[nodiscard]] ControlLoad operator()(const FeatureAlignment& alignment) const;
 
+  /// The load of a target, without parts; area: of its face.
+  [[nodiscard]] Complex<double> target_density(const SingularityTarget& target, double area) const;
+  /// Adds one zero of a target to its load; area: of the target's face.
+  void add_part(const SingularityPart& zero, const SingularityTarget& target, double area, ControlLoad& load) const;
   /// The field at a point in the face's frame.
-  [[nodiscard]] ControlRow point_row(const SurfacePoint& p) const;
+  [[nodiscard]] ControlRow point_row(const SurfacePoint& p) const {
+    return detail::point_row(mesh, geometry, connection, n, p);
+  }
   /// The row of one segment of a stroke's line.
   [[nodiscard]] ControlRow segment_row(const SurfaceSegment& segment, double weight) const;
   /// The rows of an alignment, one per boundary vertex whose two sides do not ask for opposites.
@@ -116,10 +138,21 @@ struct ControlLoads {
 
 /// What became of a target: of the parts of its load, with the field around their faces.
 [[nodiscard]] ControlReport judge_target(const Mesh& mesh, const Connection& connection, const Field& field,
-                                         const SingularityTarget& target, const ControlLoad& load);
+                                         const SingularityTarget& target, const ControlLoad& load,
+                                         const ControlTolerances& tolerances);
+/// The parts of it, which may be those of several ranks.
+struct TargetTally {
+  int index = 0;              ///< sum of the faces' indices
+  bool all = true;            ///< every face has the target's sign as its index
+  Complex<double> value = 0;  ///< sum of P u or Q u of the parts, each of length 1
+
+  void add(const Mesh& mesh, const Connection& connection, const Field& field, const SingularityTarget& target,
+           const ControlLoad& load);
+  [[nodiscard]] ControlReport judge(int n, const SingularityTarget& target, const ControlTolerances& tolerances) const;
+};
 /// What became of a fixed vertex: of the value there, with the length of the longest of all.
 [[nodiscard]] ControlReport judge_fixed(const VertexConstraint& constraint, int n, Complex<double> value,
-                                        double longest);
+                                        double longest, const ControlTolerances& tolerances);
 /// What became of soft rows, summed over them.
 struct Deviation {
   double radians = 0, weights = 0;  ///< sums of weight times angle, and of weights
@@ -128,7 +161,7 @@ struct Deviation {
     radians += row.weight * std::abs(wrap(std::arg(value) - std::arg(row.target))) / n;
     weights += row.weight;
   }
-  [[nodiscard]] ControlReport judge() const;
+  [[nodiscard]] ControlReport judge(double tolerance_degrees) const;
 };
 
 /// Throws OptionError for a face the mesh has not or coordinates outside it.

@@ -12,6 +12,7 @@
 #include <cmath>
 
 #include "alcap/singularities.h"
+#include "src/design/feature_rows.h"
 #include "src/design/variational/real_rows.h"
 #include "src/design/variational/state.h"
 
@@ -129,7 +130,7 @@ ComplexVectorX<double> Designer::State::row_multipliers(const std::vector<RowGro
   const double kernel_weight = singular ? anchor() : 0;
   MatrixX<C> G(count, count);
   ComplexVectorX<double> values(count);
-  std::vector<detail::RealRow> real;
+  std::vector<detail::RowFunctional> real;
   for (const RowGroup& a : groups) {
     for (const RowGroup& b : groups) G.block(a.first, b.first, a.count, b.count) = response(*a.owner, *b.owner);
     for (Eigen::Index k = 0; k < a.count; ++k) {
@@ -184,13 +185,17 @@ ControlReport Designer::State::judge(ControlId id, const Control& control, const
   const ControlLoad& load = prepared.at(id).load;
   ControlReport report;
   if (const auto* target = std::get_if<SingularityTarget>(&control)) {
-    report = detail::judge_target(mesh, connection, field, *target, load);
+    report = detail::judge_target(mesh, connection, field, *target, load, options.tolerances);
   } else if (const auto* constraint = std::get_if<VertexConstraint>(&control)) {
-    report = detail::judge_fixed(*constraint, options.n, u[constraint->vertex], u.cwiseAbs().maxCoeff());
+    report =
+        detail::judge_fixed(*constraint, options.n, u[constraint->vertex], u.cwiseAbs().maxCoeff(), options.tolerances);
+  } else if (const auto* features = std::get_if<FeatureAlignment>(&control)) {
+    report = detail::judge_features(surface, field, *features, options.tolerances);
   } else {
     detail::Deviation deviation;
     for (const ControlRow& row : load.rows) deviation.add(row, row.at(u), options.n);
-    report = deviation.judge();
+    report = deviation.judge(std::holds_alternative<Stroke>(control) ? options.tolerances.stroke_degrees
+                                                                     : options.tolerances.boundary_degrees);
   }
   report.id = id;
   return report;

@@ -3,7 +3,7 @@
 // state.h: what a Designer keeps between calls, and the steps of a solve. Internal to designer.
 //
 // designer.cpp: controls come and go. system.cpp: the matrix, its factorisation and the guidance.
-// solve.cpp: right-hand sides, low-rank rows, the verdict on every control.
+// solve.cpp: right-hand sides, low-rank rows, the verdict on every control. held.cpp: designs with held features.
 #pragma once
 
 #include <map>
@@ -106,6 +106,8 @@ struct Designer::State {
   void factorise();
   // What `singular` says.
   void hold_kernel();
+  // The part of it for components that no row touches, or rows of directions alone. M has the matrix's pattern.
+  void lift_parallel(SparseMatrix<C>& matrix) const;
   // Sets `parallel`: by inverse iteration with a little of the mass everywhere, so that every component has a factor.
   void find_parallel();
   // Throws OptionError when targets alone are to determine a field where parallel fields can be added freely.
@@ -166,6 +168,9 @@ struct Designer::State {
   [[nodiscard]] ComplexVectorX<double> row_multipliers(const std::vector<RowGroup>& groups,
                                                        const ComplexVectorX<double>& u) const;
   void apply_rows(const ComplexVectorX<double>& load, DesignResult& result);
+  // Whether features hold directions, which takes the place of the three above.
+  [[nodiscard]] bool holds_features() const;
+  void solve_held(DesignResult& result);
   [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field& field) const;
 
   // Controls: designer.cpp.

@@ -7,6 +7,7 @@
 
 #include "src/base/array.h"
 #include "src/base/parallel.h"
+#include "src/design/tolerances.h"
 #include "src/design/variational/free_fields.h"
 #include "src/design/variational/state.h"
 #include "src/design/weight_range.h"
@@ -57,6 +58,7 @@ Designer::State::State(const ConnectedSurface& surface_, const DesignerOptions& 
 
 void Designer::State::validate() const {
   if (options.n < 1) throw OptionError("n", options.n, "the degree of a field is at least 1");
+  detail::check_tolerances(options.tolerances);
   check_guidance_weight(options.guidance_weight);
   if (options.t && !(std::abs(*options.t) <= detail::most_weight))
     throw OptionError("t", *options.t, "must be in [-1e12, 1e12]");
@@ -113,6 +115,13 @@ double Designer::State::anchor() const {
 
 void Designer::State::hold_kernel() {
   const double weight = anchor();
+  for (const auto& [id, p] : prepared)
+    for (const ControlRow& row : p.load.rows)
+      if (!p.load.soft()) row.add_product(weight, [&](Index i, Index j, C value) { A.coeffRef(i, j) += value; });
+  lift_parallel(A);
+}
+
+void Designer::State::lift_parallel(SparseMatrix<C>& matrix) const {
   // 2: something fixes the length of parallel fields as well; 1: their directions alone; 0: nothing.
   std::vector<char> touched(surface.topology().components.size(), 0);
   for (const auto& [id, p] : prepared)
@@ -120,14 +129,13 @@ void Designer::State::hold_kernel() {
       char& mark = touched[static_cast<std::size_t>(
           surface.topology().vertex_component[static_cast<std::size_t>(row.vertex[0])])];
       mark = std::max(mark, row.direction_only ? char{1} : char{2});
-      if (p.load.soft()) continue;
-      row.add_product(weight, [&](Index i, Index j, C value) { A.coeffRef(i, j) += value; });
     }
   for (Index v = 0; v < mesh.vertices(); ++v) {
     const Index c = surface.topology().vertex_component[static_cast<std::size_t>(v)];
     if (c == none || touched[static_cast<std::size_t>(c)] == 2 || parallel[static_cast<std::size_t>(c)] == 0) continue;
     const double w = unit() * (touched[static_cast<std::size_t>(c)] == 1 ? free_length : 1);
-    for (Index k = A.outerIndexPtr()[v]; k < A.outerIndexPtr()[v + 1]; ++k) A.valuePtr()[k] += w * M.valuePtr()[k];
+    for (Index k = matrix.outerIndexPtr()[v]; k < matrix.outerIndexPtr()[v + 1]; ++k)
+      matrix.valuePtr()[k] += w * M.valuePtr()[k];
   }
 }
 

@@ -10,6 +10,7 @@
 #include "src/base/bytes.h"
 #include "src/base/input_file.h"
 #include "src/base/parallel.h"
+#include "src/io/field/field_table.h"
 #include "src/io/field/format.h"
 #include "src/io/mesh/format.h"
 #include "src/io/mesh/ply_header.h"
@@ -98,14 +99,14 @@ void read_how(const Source& source, std::string_view header, FieldFile& out) {
   out.connection_known = weights && !target;
 }
 
-// Where the doubles of one vertex are.
-struct Columns {
-  std::size_t stride = 0;
-  std::array<std::size_t, 8> at{};  // of the names below, in bytes
-};
+using Columns = FieldColumns;
 constexpr std::array<const char*, 8> property_names = {"u_re", "u_im", "axis_x", "axis_y", "axis_z", "nx", "ny", "nz"};
 
-Columns find_columns(const Source& source, const PlyElement& vertex) {
+Columns find_columns(const Source& source, const PlyHeader& header) {
+  if (header.encoding != PlyEncoding::little_endian || header.elements.empty() || header.elements[0].name != "vertex") {
+    fail(source, "not laid out as write_field does: binary little endian, vertices first");
+  }
+  const PlyElement& vertex = header.elements[0];
   Columns columns;
   std::vector<std::size_t> start;
   for (const PlyProperty& p : vertex.properties) {
@@ -125,20 +126,22 @@ Columns find_columns(const Source& source, const PlyElement& vertex) {
   return columns;
 }
 
+// The degree of a field of the version that is read here.
+int read_degree(const Source& source, std::string_view header) {
+  if (const int version = read_number(source, info(source, header, "alcap_field"), "alcap_field"); version != 1) {
+    fail(source, "a field file of version " + std::to_string(version) + "; this program reads version 1");
+  }
+  return read_number(source, info(source, header, "n"), "n");
+}
+
 FieldFile read(const Source& source) {
   const PlyHeader header = read_ply_header(source);
   const std::string_view text(source.begin(), static_cast<std::size_t>(header.body - source.begin()));
   FieldFile out;
-  if (const int version = read_number(source, info(source, text, "alcap_field"), "alcap_field"); version != 1) {
-    fail(source, "a field file of version " + std::to_string(version) + "; this program reads version 1");
-  }
-  out.field.n = read_number(source, info(source, text, "n"), "n");
+  out.field.n = read_degree(source, text);
   out.connection = read_connection(source, info(source, text, "connection"));
   read_how(source, text, out);
-  if (header.encoding != PlyEncoding::little_endian || header.elements.empty() || header.elements[0].name != "vertex") {
-    fail(source, "not laid out as write_field does: binary little endian, vertices first");
-  }
-  const Columns columns = find_columns(source, header.elements[0]);
+  const Columns columns = find_columns(source, header);
 
   MeshFile mesh = ply_format.read(source, {.format = "ply"});  // also finds a file that was cut
   if (!mesh.remarks.empty()) fail(source, "not as write_field wrote it: " + mesh.remarks.front());
@@ -167,6 +170,17 @@ FieldFile read(const Source& source) {
 }
 
 }  // namespace
+
+FieldTable find_field_table(const std::string& path, std::string_view beginning) {
+  const Source source{path, beginning};
+  const PlyHeader header = read_ply_header(source);
+  FieldTable table;
+  table.body = header.body - source.begin();
+  table.n = read_degree(source, {source.begin(), static_cast<std::size_t>(table.body)});
+  table.columns = find_columns(source, header);
+  return table;
+}
+
 }  // namespace detail
 
 FieldFile read_field(const std::filesystem::path& file, const RunControl& control) {

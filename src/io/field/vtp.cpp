@@ -20,14 +20,6 @@ DataArray vectors(std::string name, const Positions<double>& rows) {
                           [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
 }
 
-/// The colours that positive and negative indices have in every picture (Okabe and Ito 2008), for readers that take
-/// three bytes as they are; light grey for 0.
-void put_colour(int index, std::uint8_t* x) {
-  static constexpr std::uint8_t positive[3] = {213, 94, 0}, negative[3] = {0, 114, 178}, plain[3] = {235, 229, 216};
-  const std::uint8_t* const colour = index > 0 ? positive : index < 0 ? negative : plain;
-  for (int c = 0; c < 3; ++c) x[c] = colour[c];
-}
-
 void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<std::int32_t>& index) {
   const Field& field = out.field;
   const Branches branches(field.n);
@@ -44,7 +36,7 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
                          x[0] = static_cast<std::int32_t>(3 * (t + 1));
                        })}};
 
-  Section at_points{"PointData", " Scalars=\"magnitude\" Vectors=\"d_0\" Normals=\"normal\"", {}};
+  Section at_points{"PointData", " Vectors=\"d_0\" Normals=\"normal\"", {}};
   for (int k = 0; k < field.n; ++k) {
     at_points.arrays.push_back(
         array<double, 3>("d_" + std::to_string(k), vertices, [&branches, &field, k](std::int64_t v, double* x) {
@@ -60,12 +52,13 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
   at_points.arrays.push_back(vectors("axis", field.frames->X));
   at_points.arrays.push_back(vectors("normal", field.frames->N));
 
-  Section in_faces{"CellData", "", {}};
+  Section in_faces{"CellData", index_colours_shown, {}};
   in_faces.arrays.push_back(scalars("K", faces, out.surface.connection().K.data()));
   in_faces.arrays.push_back(array<std::int32_t, 1>(
       "index", faces, [&](std::int64_t t, std::int32_t* x) { x[0] = index[static_cast<std::size_t>(t)]; }));
-  in_faces.arrays.push_back(array<std::uint8_t, 3>(
-      "index_rgb", faces, [&](std::int64_t t, std::uint8_t* x) { put_colour(index[static_cast<std::size_t>(t)], x); }));
+  in_faces.arrays.push_back(array<std::uint8_t, 3>("index_rgb", faces, [&](std::int64_t t, std::uint8_t* x) {
+    put_index_colour(index[static_cast<std::size_t>(t)], x);
+  }));
   for (const FaceScalars& s : out.face_scalars) in_faces.arrays.push_back(scalars(s.name, faces, s.values.data()));
 
   write_polydata(file, field.n,
@@ -90,9 +83,10 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
   const Section verts{"Verts", "", {counting("connectivity", 0), counting("offsets", 1)}};
   const Section data{
       "PointData",
-      " Scalars=\"index\"",
+      index_colours_shown,
       {array<std::int32_t, 1>("index", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).index; }),
-       array<std::uint8_t, 3>("index_rgb", count, [&](std::int64_t i, std::uint8_t* x) { put_colour(at(i).index, x); }),
+       array<std::uint8_t, 3>("index_rgb", count,
+                              [&](std::int64_t i, std::uint8_t* x) { put_index_colour(at(i).index, x); }),
        array<double, 1>("orientation", count, [&](std::int64_t i, double* x) { x[0] = at(i).orientation; }),
        array<std::int32_t, 1>("face", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).face; }),
        array<double, 3>("barycentric", count,
