@@ -246,3 +246,42 @@ test('metric connections: cones of any size, typed; a sum says what is missing',
   await page.waitForFunction(() => alcap.design.connection.kind === 'trivial');
   assert.deepEqual(await page.evaluate(() => alcap.design.connection.cones.map((c) => c.index)), [0.75, 1.25]);
 }));
+
+test('what is typed stays under the hand while edits arrive; what is no number changes nothing', () => on('icosphere:3', 'ball5', async (page, hand) => {
+  const cones = [{ vertex: 0, index: 0.5 }, { vertex: 12, index: 1.5 }];
+  const elsewhere = async (more) => {  // an edit by somebody else, until the page shows it
+    const { status } = await request(hand.server.url, '/api/edit', {}, { method: 'POST', body: JSON.stringify({ ...hand.design(), ...more }) });
+    assert.equal(status, 200);
+    await hand.settled();
+  };
+  await elsewhere({ connection: { kind: 'metric', cones } });
+  const input = page.locator('.cones input[type=number]').first(), indices = () => hand.design().connection.cones.map((c) => c.index);
+  // Between the press that selects the number and the first digit, and between two digits.
+  await input.focus();
+  await page.keyboard.press('Control+a');
+  await elsewhere({ comment: 'one' });
+  await page.keyboard.type('0.');
+  await elsewhere({ comment: 'two' });
+  await page.keyboard.type('7');
+  await hand.editing(() => page.keyboard.press('Enter'));
+  assert.deepEqual(indices(), [0.7, 1.5]);
+  for (const text of ['', 'e', '-']) {
+    await input.focus();
+    await page.keyboard.press('Control+a');
+    await page.keyboard.press('Delete');
+    await page.keyboard.type(text);
+    await page.keyboard.press('Enter');
+    assert.equal(await input.inputValue(), '0.7');
+  }
+  await page.keyboard.press('Tab');
+  await hand.settled();
+  assert.deepEqual(indices(), [0.7, 1.5]);
+  // A press on a button that edits arrive under is still a click.
+  await elsewhere({ connection: { kind: 'trivial', cones } });
+  const box = await page.locator('.cones .stepper button').last().boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await elsewhere({ comment: 'three' });
+  await page.mouse.up();
+  await page.waitForFunction(() => alcap.design.connection.cones[1].index === 1.75);
+}));

@@ -3,6 +3,7 @@
 // design_panel.js: the parts of the panel for what a design says less often: what it stays close to, by which field, by
 // how much at which vertex; the details of its connection, and a connection of one's own that it is near to.
 import { count, h, plain, segmented, toggle } from './dom.js';
+import { numberInput } from './number_input.js';
 import { slider } from './slider.js';
 
 const targets = { rotation: 'halfedge rotations', adjustment: 'halfedge adjustments', vertex_curvature: 'vertex curvatures', face_curvature: 'face curvatures' };
@@ -24,12 +25,9 @@ function jsonButton(app, label, title, take) {
 
 /** A number that is set by typing, or left out. */
 export function numberRow(label, title, change) {
-  const input = h('input', { type: 'number', class: 'turns', step: 'any', 'aria-label': label, onchange: () => {
-    const value = input.value.trim() === '' ? null : Number(input.value);
-    if (value === null || Number.isFinite(value)) change(value);
-  } });
+  const input = numberInput(label, { optional: true }, change);
   const row = h('label', { class: 'row', title }, h('span', {}, label), input);
-  row.set = (value) => { if (document.activeElement !== input) input.value = value === undefined ? '' : String(value); };
+  row.set = input.set;
   return row;
 }
 

@@ -84,6 +84,13 @@ export function toggle(label, value, change, key) {
   return row;
 }
 
+/** Makes these the children of an element. Those that stay are not touched, so that a field one types into keeps the keyboard and what was typed. */
+export function arrange(element, ...children) {
+  const next = children.flat().filter((c) => c !== null && c !== undefined), kept = new Set(next);
+  for (const child of [...element.childNodes]) if (!kept.has(child)) child.remove();
+  next.forEach((child, k) => { if (element.childNodes[k] !== child) element.insertBefore(child, element.childNodes[k] || null); });
+}
+
 /** A part of a panel with a heading. */
 export function section(title, ...children) {
   return h('section', {}, title ? h('h2', {}, title) : null, ...children);

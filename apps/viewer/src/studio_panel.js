@@ -2,7 +2,8 @@
 //
 // studio_panel.js: the parts of the studio's panel that say what the design is and change it.
 import { connectionDetails, guidanceControls, remarksOf } from './design_panel.js';
-import { count, fraction, h, plain, section, segmented, short, toggle } from './dom.js';
+import { arrange, count, fraction, h, plain, section, segmented, short, toggle } from './dom.js';
+import { numberInput } from './number_input.js';
 import { mark } from './panel.js';
 import { slider } from './slider.js';
 import { angleIn, direction } from './tangent.js';
@@ -301,7 +302,13 @@ function missingTurns(design, euler, closed) {
 /** Cones of a trivial or metric connection, the turns around its loops, and whether cones sum to what topology demands. */
 export function conesSection(app) {
   const body = h('div', { class: 'cones' });
-  const element = section('Cones', body);
+  const element = section('Cones', body), rows = turnRows();
+  const set = (vertex, index) => app.change((d) => {
+    const { cones } = d.connection, k = cones.findIndex((c) => c.vertex === vertex);
+    if (index) cones[k].index = index;
+    else cones.splice(k, 1);
+  });
+  const balance = toggleBalance((v) => app.change((d) => { if (v) d.connection.balance = true; else delete d.connection.balance; }));
   element.refresh = (design, euler, closed) => {
     const kind = design.connection?.kind, metric = kind === 'metric';
     element.hidden = (kind !== 'trivial' && !metric) || Boolean(design.connection?.target);
@@ -310,54 +317,73 @@ export function conesSection(app) {
     const turns = (x) => (metric ? minus(plain(x)) : fraction(Math.round(x * n), n) || '0');
     const sum = cones.reduce((s, c) => s + coneIndex(c.index), 0), lacks = missingTurns(design, euler, closed);
     element.missing = element.hidden || !lacks ? '' : `The cones sum to ${turns(sum)} so far, of ${minus(euler)}.`;
-    const focused = body.contains(document.activeElement) && document.activeElement.getAttribute('aria-label');
-    if (focused && document.activeElement.dataset.typing) return;  // a number that is being typed stays as it is
-    const set = (k, index) => app.change((d) => {
-      if (index) d.connection.cones[k].index = index;
-      else d.connection.cones.splice(k, 1);
-    });
-    const step = (k, by) => set(k, (Math.round(coneIndex(cones[k].index) * n) + by) / n);
-    const stepper = (c, k) => h('b', { class: 'stepper' }, h('button', { type: 'button', 'aria-label': `Less at vertex ${c.vertex}`, onclick: () => step(k, -1) }, '−'), turns(coneIndex(c.index)), h('button', { type: 'button', 'aria-label': `More at vertex ${c.vertex}`, onclick: () => step(k, 1) }, '+'));
-    body.replaceChildren(
-      ...cones.map((c, k) => h('div', { class: 'row' }, h('span', {}, mark(coneIndex(c.index)), ` vertex ${c.vertex}`),
-        metric ? turnInput(`Cone at vertex ${c.vertex}`, coneIndex(c.index), 0.05, (v) => set(k, v)) : stepper(c, k))),
+    const at = (c) => [mark(coneIndex(c.index)), ` vertex ${c.vertex}`];
+    const typed = (c) => rows.typed(`Cone at vertex ${c.vertex}`, at(c), coneIndex(c.index), 0.05, (v) => set(c.vertex, v));
+    const stepped = (c) => rows.stepped(`at vertex ${c.vertex}`, at(c), turns(coneIndex(c.index)), (by) => set(c.vertex, (Math.round(coneIndex(c.index) * n) + by) / n));
+    balance.set(Boolean(design.connection?.balance));
+    arrange(body,
+      cones.map(metric ? typed : stepped),
       h('div', { class: `row sum ${lacks ? 'wrong' : ''}` }, h('span', {}, closed ? `Sum, of ${minus(euler)} needed` : 'Sum'), h('b', {}, turns(sum), lacks ? '' : ' ✓')),
-      ...(lacks ? [h('p', { class: 'quiet' }, `Place ${metric ? `${lacks > 0 ? '+' : ''}${turns(lacks)}` : turns(lacks)} more: choose the cone tool and click on the surface.`)] : []),
-      ...(metric ? [] : [toggleBalance(Boolean(design.connection?.balance), (v) => app.change((d) => { if (v) d.connection.balance = true; else delete d.connection.balance; }))]),
-      ...loopRows(app, design, metric ? 0.05 : 1 / n),
+      lacks ? h('p', { class: 'quiet' }, `Place ${metric ? `${lacks > 0 ? '+' : ''}${turns(lacks)}` : turns(lacks)} more: choose the cone tool and click on the surface.`) : null,
+      metric ? null : balance,
+      loopRows(app, rows, design, metric ? 0.05 : 1 / n),
     );
-    if (focused) body.querySelector(`[aria-label="${focused}"]`)?.focus();
   };
   return element;
 }
 
-/** A number of turns that is set by typing. */
-function turnInput(label, value, step, change) {
-  return h('input', { type: 'number', class: 'turns', step: String(step), value: String(Number(value.toPrecision(6))), 'aria-label': label, oninput: (event) => { event.target.dataset.typing = 'yes'; }, onchange: (event) => {
-    delete event.target.dataset.typing;
-    const v = Number(event.target.value);
-    if (Number.isFinite(v)) change(v);
-  } });
+/**
+ * Rows with a number of turns that is typed or stepped. One that was there before stays the element that it is, so that a
+ * refresh takes nothing from under the hand.
+ */
+function turnRows() {
+  const rows = new Map();
+  const keep = (key, make) => {
+    if (!rows.has(key)) rows.set(key, make());
+    return rows.get(key);
+  };
+  const typed = (label, head, value, step, change) => {
+    const row = keep(label, () => {
+      const name = h('span', {}), input = numberInput(label, { step }, (v) => row.change(v));
+      return { name, input, element: h('div', { class: 'row' }, name, input) };
+    });
+    row.name.replaceChildren(...head);
+    row.change = change;
+    row.input.step = String(step);
+    row.input.set(Number(value.toPrecision(6)));
+    return row.element;
+  };
+  const stepped = (place, head, text, change) => {
+    const row = keep(place, () => {
+      const name = h('span', {}), value = h('span', {});
+      const button = (label, by, sign) => h('button', { type: 'button', 'aria-label': `${label} ${place}`, onclick: () => row.change(by) }, sign);
+      return { name, value, element: h('div', { class: 'row' }, name, h('b', { class: 'stepper' }, button('Less', -1, '−'), value, button('More', 1, '+'))) };
+    });
+    row.name.replaceChildren(...head);
+    row.change = change;
+    row.value.textContent = text;
+    return row.element;
+  };
+  return { typed, stepped };
 }
 
 /** How far the field has turned after each loop around a handle, and its index at each boundary: those of the connection that was solved, until some are set. */
-function loopRows(app, design, step) {
+function loopRows(app, rows, design, step) {
   const { holonomy = [], loop_index: loops = [] } = app.view.meta;
-  const rows = (key, values, name) => values.map((value, k) => h('div', { class: 'row' }, h('span', {}, `${name} ${k + 1}`),
-    turnInput(`${name} ${k + 1}`, coneIndex(design.connection[key]?.[k] ?? value), step, (v) => app.change((d) => {
-      const all = (d.connection[key] || values).map((x) => coneIndex(x));
-      all[k] = v;
-      d.connection[key] = all;
-    }))));
+  const typed = (key, values, name) => values.map((value, k) => rows.typed(`${name} ${k + 1}`, [`${name} ${k + 1}`], coneIndex(design.connection?.[key]?.[k] ?? value), step, (v) => app.change((d) => {
+    const all = (d.connection[key] || values).map((x) => coneIndex(x));
+    all[k] = v;
+    d.connection[key] = all;
+  })));
   if (!holonomy.length && !loops.length) return [];
-  const own = design.connection.holonomy || design.connection.loops;
-  return [h('h2', { class: 'sub' }, 'Turns around loops'), ...rows('holonomy', holonomy, 'Loop'), ...rows('loops', loops, 'Boundary'),
+  const own = design.connection?.holonomy || design.connection?.loops;
+  return [h('h2', { class: 'sub' }, 'Turns around loops'), ...typed('holonomy', holonomy, 'Loop'), ...typed('loops', loops, 'Boundary'),
     own ? h('button', { type: 'button', class: 'plain', title: 'Those that change the surface\'s own connection least', onclick: () => app.change((d) => { delete d.connection.holonomy; delete d.connection.loops; }) }, 'Choose them for me') : h('p', { class: 'quiet' }, 'Chosen to change the connection of the surface least. In turns.')];
 }
 
 /** Whether cones are added where the curvature is, until the sum is right. */
-function toggleBalance(value, change) {
-  const row = toggle('Add what is missing', value, change);
+function toggleBalance(change) {
+  const row = toggle('Add what is missing', false, change);
   row.title = 'Adds cones of the smallest index where the curvature is, until the sum is right';
   return row;
 }
