@@ -200,6 +200,7 @@ DesignResult Designer::solve() {
     if (s.holds_features()) {
       s.solve_held(result);
     } else {
+      s.held_factors.clear();
       s.choose_folding();
       s.factorise();
       const ComplexVectorX<double> load = s.solve_loads(result);

@@ -5,7 +5,9 @@
 // where the direction is held, none where the value is known, and
 //   T' A T y = T' (b - A o),
 // A with every soft row in it. Pins stay rows, with multipliers. A length that comes out below `least_length`, or
-// negative, which is another direction, is set to it, and the rest solved again.
+// negative, which is another direction, is set to it, and the rest solved again: at most `most_rounds` times; a feature
+// that then still turns over is judged as what it is, not met. Edits that leave T' A T as it was, such as turning a
+// singularity, use its factorisation again.
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -24,7 +26,9 @@ using detail::ControlRow;
 // Of a field along held features, which the weight of the features draws to 1.
 constexpr double least_length = 0.1;
 // Of setting lengths and solving again; CAD parts take one to three.
-constexpr int most_rounds = 20;
+constexpr std::size_t most_rounds = 20;
+// Factorisations that are kept for the next edit, those of the first rounds.
+constexpr std::size_t kept_factors = 3;
 
 /// What is known of the field at vertices.
 struct HeldVertices {
@@ -103,26 +107,47 @@ bool set_short_lengths(const ComplexVectorX<double>& u, HeldVertices& held) {
   return any;
 }
 
+template <class T>
+bool same_entries(const T* a, const T* b, Eigen::Index count) {
+  return std::equal(a, a + count, b);
+}
+
+/// The solver of this matrix: factorised unless it already is.
+const LinearSolver<double>& factor_of(detail::HeldFactor& kept, const SparseMatrix<double>& A,
+                                      const std::string& solver_name) {
+  const Eigen::Index entries = A.nonZeros();
+  const bool same_pattern = kept.solver && A.rows() == kept.matrix.rows() && entries == kept.matrix.nonZeros() &&
+                            same_entries(A.outerIndexPtr(), kept.matrix.outerIndexPtr(), A.outerSize() + 1) &&
+                            same_entries(A.innerIndexPtr(), kept.matrix.innerIndexPtr(), entries);
+  if (same_pattern && same_entries(A.valuePtr(), kept.matrix.valuePtr(), entries)) return *kept.solver;
+  auto solver = same_pattern ? std::move(kept.solver) : make_linear_solver<double>({.name = solver_name});
+  kept.solver = nullptr;  // nothing is kept if one of these throws
+  if (!same_pattern) solver->analyse(A);
+  solver->factorise(A);
+  kept.matrix = A;
+  kept.solver = std::move(solver);
+  return *kept.solver;
+}
+
 /// min 1/2 u' A u - b' u with what is known, and with these rows at 0.
 void solve_known(const SparseMatrix<double>& A, const VectorX<double>& b, const HeldVertices& held,
-                 const std::vector<ControlRow>& rows, const std::string& solver_name, DesignResult& result) {
+                 const std::vector<ControlRow>& rows, const std::string& solver_name, detail::HeldFactor& kept,
+                 DesignResult& result) {
   const HeldUnknowns unknowns(held);
   const SparseMatrix<double>& T = unknowns.T;
   SparseMatrix<double> reduced, R;  // assigned: Eigen's constructors leak where memory runs out in the middle of them
   reduced = T.transpose() * A * T;
   const VectorX<double> rest = b - A * unknowns.offset, load = T.transpose() * rest;
-  const auto solver = make_linear_solver<double>({.name = solver_name});
-  solver->analyse(reduced);
-  solver->factorise(reduced);
+  const LinearSolver<double>& solver = factor_of(kept, reduced, solver_name);
   MatrixX<double> y(load.size(), 1);
-  (void)solver->solve(load, y);
+  (void)solver.solve(load, y);
   ++result.solves;
   VectorX<double> pull = VectorX<double>::Zero(load.size());  // of the multipliers
   if (!rows.empty()) {
     const SparseMatrix<double> all = parts_of_rows(rows, static_cast<Index>(held.at.size()));
     R = all * T;
     MatrixX<double> Rt = MatrixX<double>(R).transpose(), Y(Rt.rows(), Rt.cols());
-    (void)solver->solve(Rt, Y);
+    (void)solver.solve(Rt, Y);
     result.solves += static_cast<int>(Rt.cols());
     // Rows whose vertices are all known say nothing, or cannot be met.
     const VectorX<double> mu = MatrixX<double>(R * Y).completeOrthogonalDecomposition().solve(
@@ -134,7 +159,7 @@ void solve_known(const SparseMatrix<double>& A, const VectorX<double>& b, const 
   result.field.u = Eigen::Map<const ComplexVectorX<double>>(reinterpret_cast<const C*>(u.data()), held.at.size());
   const double size = load.norm() + pull.norm();
   result.residual = size > 0 ? (reduced * y.col(0) + pull - load).norm() / size : 0;
-  result.solver = solver->name();
+  result.solver = solver.name();
 }
 
 }  // namespace
@@ -174,9 +199,11 @@ void Designer::State::solve_held(DesignResult& result) {
   const SparseMatrix<double> matrix = real_view(whole);
   const VectorX<double> load = interleaved_parts(b);
   result.rows = static_cast<int>(pins.size());
-  for (int round = 0; round < most_rounds; ++round) {
+  detail::HeldFactor last;  // of the rounds that are not kept
+  for (std::size_t round = 0; round < most_rounds; ++round) {
     detail::check_cancelled();
-    solve_known(matrix, load, held, pins, options.solver, result);
+    if (round < kept_factors && round == held_factors.size()) held_factors.emplace_back();
+    solve_known(matrix, load, held, pins, options.solver, round < kept_factors ? held_factors[round] : last, result);
     if (!set_short_lengths(result.field.u, held)) return;
   }
 }

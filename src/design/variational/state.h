@@ -41,6 +41,12 @@ struct Prepared {
   }
 };
 
+/// A real matrix and its factorisation; no solver: none.
+struct HeldFactor {
+  SparseMatrix<double> matrix = {};
+  std::unique_ptr<LinearSolver<double>> solver = {};
+};
+
 }  // namespace detail
 
 struct Designer::State {
@@ -76,8 +82,9 @@ struct Designer::State {
   // Without guidance and rows A would have a kernel of parallel fields. All rows are in it then: exact ones with a
   // weight that their update makes irrelevant. Components with such fields that no row touches are drawn towards zero.
   bool singular = false;
-  std::vector<char> parallel;  // per component, when singular: whether it has parallel fields
-  MatrixX<C> common;           // A^-1 of everything but live targets; no columns: unknown
+  std::vector<char> parallel;                    // per component, when singular: whether it has parallel fields
+  MatrixX<C> common;                             // A^-1 of everything but live targets; no columns: unknown
+  std::vector<detail::HeldFactor> held_factors;  // of designs with held features, one per round of setting lengths
 
   // The system: system.cpp.
   State(const ConnectedSurface& surface_, const DesignerOptions& options_);
@@ -168,7 +175,7 @@ struct Designer::State {
   [[nodiscard]] ComplexVectorX<double> row_multipliers(const std::vector<RowGroup>& groups,
                                                        const ComplexVectorX<double>& u) const;
   void apply_rows(const ComplexVectorX<double>& load, DesignResult& result);
-  // Whether features hold directions, which takes the place of the three above.
+  // Whether features hold directions; then solve_held takes the place of the three above.
   [[nodiscard]] bool holds_features() const;
   void solve_held(DesignResult& result);
   [[nodiscard]] ControlReport judge(ControlId id, const Control& control, const Field& field) const;
