@@ -39,4 +39,4 @@ cp "$here"/*.mjs "$work"
 cd "$work"
 export ALCAP=$alcap CHROMIUM=$chromium
 [ "${1:-}" != --times ] || exec node studio_times.mjs
-exec node --test --test-concurrency=2 "$@" studio.test.mjs design.test.mjs controls.test.mjs hands.test.mjs access.test.mjs story.test.mjs view.test.mjs
+exec node --test --test-concurrency=2 "$@" studio.test.mjs design.test.mjs controls.test.mjs features.test.mjs merging.test.mjs steady.test.mjs hands.test.mjs access.test.mjs story.test.mjs view.test.mjs

@@ -525,7 +525,7 @@ test('a pair that is cancelled leaves a stroke that the field follows; one that 
     const first = await own.state(), before = places(first.arrays);
     let cancelled = 0;
     for (const pair of pairs) {
-      await tab.evaluate(([k, partner]) => alcap.card.cancel(k, partner), pair);
+      await tab.evaluate(([k, partner]) => alcap.card.cancel(alcap.card.seen(k), alcap.card.seen(partner)), pair);
       await own.settled();
       const { meta, arrays } = await own.state(), left = places(arrays);
       if (await tab.isVisible('.card')) {

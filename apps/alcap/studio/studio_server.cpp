@@ -67,6 +67,7 @@ std::string state_bytes(const StudioState& state, std::uint64_t known) {
                {"undo", state.undo},
                {"redo", state.redo},
                {"controls", state.result->controls},
+               {"free_corners", state.result->free_corners},
                {"seconds", state.result->seconds},
                {"mode", state.result->mode},
                {"eigenvalues", state.result->eigenvalues},

@@ -65,6 +65,7 @@ void add_outcomes(const DesignFile& design, const DesignRun& run, StudioResult& 
     }
   }
   if (!features.is_null()) result.controls.push_back(std::move(features));
+  if (run.features) result.free_corners = run.features->free_corners.size();
   for (const FeatureLine& line : run.features ? run.features->graph.lines : std::vector<FeatureLine>{}) {
     for (const Index v : line.vertices) result.creases.push_back(static_cast<std::uint32_t>(v));
     result.crease_offsets.push_back(static_cast<std::uint32_t>(result.creases.size()));

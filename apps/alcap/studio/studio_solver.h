@@ -59,6 +59,8 @@ class StudioResult {
   Json controls = Json::array();  ///< path, met, error_degrees, tolerance_degrees
   /// Vertices of the lines that a design with `features` follows, one after the other; line k is [offsets[k], ...).
   std::vector<std::uint32_t> creases, crease_offsets{0};
+  /// Vertices where such lines meet and no field follows them all; where they are held, they are free there.
+  std::size_t free_corners = 0;
   double seconds = 0;
   int mode = 0;                     ///< the field is this one of the smoothest, from 1; 0: it is that of the design
   std::vector<double> eigenvalues;  ///< of the modes, where it is one of them

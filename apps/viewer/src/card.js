@@ -2,13 +2,12 @@
 //
 // card.js: what is known about a singularity that no control asks for, why it is there, and what can be done about it.
 import { count, fraction, h, short } from './dom.js';
+import { holdable, indexOf, kindFor } from './indices.js';
 import { mark } from './panel.js';
-import { kindsOf } from './studio_panel.js';
-import { barycentricIn, dot, frame, plus, scaled, subtract, unit } from './tangent.js';
+import { barycentricIn, dot, frame, inside, plus, scaled, subtract, unit } from './tangent.js';
 
 const close = 0.15;   // of the diagonal: pairs further apart are no pairs
 const bends = 4;      // of a stroke that cancels a pair
-const mostZeros = 8;  // side by side in a design
 
 const number = (value) => String(value).replace('-', '−');
 
@@ -17,7 +16,7 @@ function reason(app, paired) {
   const { n } = app.design, { euler, boundary } = app.view.meta;
   if (paired) return 'Together with the opposite one nearby it adds nothing to the sum of indices. Bumps of the surface and controls close to each other make such pairs.';
   if (euler === undefined || boundary) return 'On a surface with boundary, how many there are depends on the shape and on the controls.';
-  const placed = (app.design.singularities || []).reduce((sum, s) => sum + (s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1) * (s.count || 1), 0);
+  const placed = (app.design.singularities || []).reduce((sum, s) => sum + indexOf(s), 0);
   if (!placed) return `All indices sum to ${number(euler)}, the Euler characteristic, whatever the field.`;
   return `All indices sum to ${number(euler)}, the Euler characteristic. Yours sum to ${fraction(placed, n)}; the others make up the remaining ${fraction(n * euler - placed, n) || '0'}.`;
 }
@@ -48,6 +47,12 @@ export class Card {
     return Array.from(this.app.view.arrays.singular.slice(8 * k, 8 * k + 3));
   }
 
+  /** What is said about number k, and done with it, is of what is seen now: the next field has other numbers. */
+  seen(k) {
+    const { singular, singular_faces: faces } = this.app.view.arrays;
+    return { place: this.place(k), face: faces[k], index: singular[8 * k + 6], angle: (singular[8 * k + 7] * 180) / Math.PI };
+  }
+
   /** The nearest singularity of the opposite index that the design does not ask for, if it is close; -1 for none. */
   partner(k) {
     const { app } = this, { singular, singular_faces: faces } = app.view.arrays;
@@ -71,7 +76,7 @@ export class Card {
   /** About the singularity with this number in the field's list. keys: the keyboard goes on from here. */
   tell(k, keys = false) {
     const { app } = this, { n } = app.design;
-    const index = app.view.arrays.singular[8 * k + 6], partner = this.partner(k);
+    const one = this.seen(k), partner = this.partner(k), other = partner >= 0 ? this.seen(partner) : null, { index } = one;
     const act = (what) => () => {
       this.close();
       what();
@@ -79,29 +84,25 @@ export class Card {
     this.element.replaceChildren(
       h('p', { class: 'head' }, mark(index), ` Singularity ${fraction(index, n)}`),
       this.closer(),
-      h('p', { class: 'quiet' }, `No control asks for it. ${reason(app, partner >= 0)}`),
+      h('p', { class: 'quiet' }, `No control asks for it. ${reason(app, Boolean(other))}`),
       h('div', { class: 'actions' },
-        holdable(index) ? h('button', { type: 'button', class: 'primary', title: Math.abs(index) > 1 ? `As ${Math.abs(index)} zeros side by side` : 'Makes it a control of the design', onclick: act(() => this.hold(k, keys)) }, 'Hold it here') : null,
-        partner >= 0 ? h('button', { type: 'button', class: 'plain', title: 'Looks for a short stroke between them that removes both', onclick: act(() => this.cancel(k, partner)) }, `Cancel it with the ${fraction(-index, n)} nearby`) : null));
+        holdable(index) ? h('button', { type: 'button', class: 'primary', title: Math.abs(index) > 1 ? `As ${Math.abs(index)} zeros side by side` : 'Makes it a control of the design', onclick: act(() => this.hold(one, keys)) }, 'Hold it here') : null,
+        other ? h('button', { type: 'button', class: 'plain', title: 'Looks for a short stroke between them that removes both', onclick: act(() => this.cancel(one, other)) }, `Cancel it with the ${fraction(-index, n)} nearby`) : null));
     this.element.hidden = false;
     if (keys) (this.element.querySelector('.actions button') || this.element.querySelector('.close')).focus();
   }
 
   /** Makes it a control like those that are placed. */
-  hold(k, keys) {
-    const { app } = this, { singular, singular_faces: faces } = app.view.arrays, { n } = app.design;
-    const face = faces[k], index = singular[8 * k + 6], count = Math.abs(index);
-    // Only sources and saddles are several zeros.
-    const kind = count > 1 ? (index > 0 ? 'source' : 'saddle') : kindsOf(n)[index > 0 ? 0 : kindsOf(n).length - 1][0];
-    const pin = inside(barycentricIn(app.view.surface, face, this.place(k)));
-    app.add({ face, kind, ...(count > 1 ? { count } : {}), angle: (singular[8 * k + 7] * 180) / Math.PI, pin });
+  hold({ place, face, index, angle }, keys) {
+    const { app } = this, list = app.design.singularities || [], there = list.findIndex((s) => s.face === face), count = Math.abs(index);
+    if (there >= 0) app.select(there);  // somebody else was faster
+    else app.add({ face, kind: kindFor(index, app.design.n), ...(count > 1 ? { count } : {}), angle, pin: inside(barycentricIn(app.view.surface, face, place)) });
     if (keys) app.handles.items[app.selected]?.ring.focus();
   }
 
   /** A short stroke between the two, along what the field does around them: the first of several that leaves two singularities less, bent to what the field then does there. */
-  async cancel(k, partner) {
-    const { app } = this;
-    const [a, b] = [this.place(k), this.place(partner)], before = app.view.arrays.singular_faces.length;
+  async cancel({ place: a }, { place: b }) {
+    const { app } = this, before = app.view.arrays.singular_faces.length;
     const middle = app.view.surface.nearest(scaled(plus(a, b), 0.5)), apart = Math.hypot(...subtract(a, b));
     const straight = this.across(middle, apart);
     const gesture = `cancel-${Date.now()}`, number = (app.design.strokes || []).length;
@@ -188,14 +189,4 @@ export class Card {
       return { face, barycentric };
     });
   }
-}
-
-/** Whether a control can ask for this index, in n-ths */
-function holdable(index) {
-  return index !== 0 && Math.abs(index) <= mostZeros;
-}
-
-/** A zero on an edge belongs to neither face: a little inside. */
-export function inside(barycentric) {
-  return barycentric.map((b) => 0.08 / 1.24 + Math.min(Math.max(b, 0), 1) / 1.24);
 }

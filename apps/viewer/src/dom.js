@@ -47,19 +47,24 @@ export function fieldName(n) {
   return { 1: 'Vector field', 2: 'Line field', 3: 'Triple field', 4: 'Cross field', 6: 'Hexagonal field' }[n] || `${n}-fold field`;
 }
 
-/** A row of buttons of which one is pressed. */
+/** A row of buttons of which one is pressed; offer(options) makes it one of other options, where those that stay are the buttons that they were. */
 export function segmented(label, options, value, choose) {
   const row = h('div', { class: 'segmented', role: 'radiogroup', 'aria-label': label });
+  let now = value;
   const set = (next) => {
+    now = next;
     for (const b of row.children) b.setAttribute('aria-checked', String(b.dataset.value === String(next)));
   };
-  for (const [key, text, help] of options) {
-    row.append(h('button', { type: 'button', role: 'radio', 'data-value': key, title: help, onclick: (event) => {
-      set(key);
-      row.keys = event.detail === 0;  // chosen by the keyboard
-      choose(key);
-    } }, text));
-  }
+  const button = ([key, text, help]) => h('button', { type: 'button', role: 'radio', 'data-value': key, title: help, onclick: (event) => {
+    set(key);
+    row.keys = event.detail === 0;  // chosen by the keyboard
+    choose(key);
+  } }, text);
+  row.offer = (list) => {
+    const old = new Map([...row.children].map((b) => [b.dataset.value, b]));
+    arrange(row, list.map((option) => old.get(String(option[0])) || button(option)));
+    set(now);
+  };
   row.addEventListener('keydown', (event) => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (!step) return;
@@ -70,7 +75,7 @@ export function segmented(label, options, value, choose) {
     event.preventDefault();
     event.stopPropagation();
   });
-  set(value);
+  row.offer(options);
   row.set = set;
   return row;
 }

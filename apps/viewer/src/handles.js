@@ -2,27 +2,33 @@
 //
 // handles.js: the controls of the design as buttons over the picture: a ring where a singularity was asked for, a square
 // where a direction is held, which can be dragged, and for the chosen one a knob on a line that turns it; both by the
-// mouse or by the arrow keys.
+// mouse or by the arrow keys. A ring that is put onto another one says what the two become, and merges when it is let go.
 import { Raycaster, Vector2, Vector3 } from 'three';
 
 import { h } from './dom.js';
+import { isNegative } from './indices.js';
 import { angleOfRay, direction, dot, frame, pointIn, subtract } from './tangent.js';
 
 const reach = 58;  // pixels from ring to knob
 const stride = 12;  // pixels that an arrow key moves a ring
+const onto = 14;  // pixels between a ring and another one that it is put onto
 
 export class Handles {
-  /** actions: select(k), turn(k, degrees, gesture), move(k, hit, gesture), stop(). */
+  /** actions: select(k), turn(k, degrees, gesture), move(k, hit, gesture), meets(k, j): {text, refused} of two that merge, or null, merge(k, j, gesture), stop(). */
   constructor(view, actions) {
     this.view = view;
     this.actions = actions;
     this.layer = h('div', { class: 'handles' });
     this.items = [];
     this.object = { isObject3D: true };
+    this.said = h('p', { class: 'meeting-said', role: 'status' });
+    this.layer.append(this.said);
+    this.meeting = null;  // of two rings: {k, j, text, refused}
   }
 
   set(singularities, selected) {
     this.singularities = singularities;
+    if (this.meeting && Math.max(this.meeting.k, this.meeting.j) >= singularities.length) this.meet(null);
     this.selected = selected;
     while (this.items.length > singularities.length) this.items.pop().ring.remove();
     while (this.items.length < singularities.length) {
@@ -34,8 +40,8 @@ export class Handles {
     }
     singularities.forEach((s, k) => {
       const { ring } = this.items[k];
-      const negative = s.kind === 'saddle' || s.kind === 'trisector';
-      ring.className = `ring ${s.kind === 'direction' ? 'square' : negative ? 'negative' : 'positive'}${k === selected ? ' chosen' : ''}`;
+      const met = this.meeting?.j === k ? ` meeting${this.meeting.refused ? ' refused' : ''}` : '';
+      ring.className = `ring ${s.kind === 'direction' ? 'square' : isNegative(s.kind) ? 'negative' : 'positive'}${k === selected ? ' chosen' : ''}${met}`;
       ring.setAttribute('aria-label', s.kind === 'direction' ? `direction at vertex ${s.vertex}` : `${s.kind} in face ${s.face}`);
       ring.setAttribute('aria-pressed', String(k === selected));
     });
@@ -43,26 +49,15 @@ export class Handles {
     this.place();
   }
 
-  /** Dragging, or the arrow keys, move the singularity to what is under the pointer. */
+  /** Dragging, or the arrow keys, move the singularity to what is under the pointer; on another one it waits to be merged. */
   makeMovable(ring, k) {
     const move = (place, gesture) => {
-      const hit = this.view.pick(place);
+      this.meet(this.metBy(k, place));
+      const hit = this.meeting ? null : this.view.pick(place);
       if (hit) this.actions.move(k, hit, gesture);
     };
-    ring.addEventListener('keydown', (event) => {
-      const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
-      if (!step) return;
-      event.preventDefault();
-      event.stopPropagation();
-      const box = this.view.stage.canvas.getBoundingClientRect();
-      const s = this.singularities[k], [x, y] = this.project(this.center(s));
-      // Directions sit at vertices: as far as it is to another one.
-      for (let far = 1; far <= (s.kind === 'direction' ? 12 : 1); ++far) {
-        const place = { clientX: box.left + x + far * stride * step[0], clientY: box.top + y + far * stride * step[1] };
-        if (s.kind === 'direction' && this.vertexUnder(place) === s.vertex) continue;
-        return move(place, 'move-keys');
-      }
-    });
+    ring.addEventListener('keydown', (event) => this.pressed(event, k, move));
+    ring.addEventListener('blur', () => this.meet(null));
     ring.addEventListener('pointerdown', (down) => {
       if (!down.isPrimary || down.button !== 0) return;
       ring.setPointerCapture(down.pointerId);
@@ -72,14 +67,72 @@ export class Handles {
         moved ||= Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > 4;
         if (moved) move(event, gesture);
       };
-      const up = () => {
+      const up = (event) => {
         ring.removeEventListener('pointermove', drag);
+        ring.removeEventListener('pointerup', up);
+        ring.removeEventListener('pointercancel', up);
+        if (event.type === 'pointerup') this.merge(gesture);
+        this.meet(null);
         this.actions.stop();
       };
       ring.addEventListener('pointermove', drag);
-      ring.addEventListener('pointerup', up, { once: true });
-      ring.addEventListener('pointercancel', up, { once: true });
+      ring.addEventListener('pointerup', up);
+      ring.addEventListener('pointercancel', up);
     });
+  }
+
+  /** Keys on a ring: arrows move it; where they have put it onto another one, Enter merges the two and Esc does not. */
+  pressed(event, k, move) {
+    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
+    const ends = this.meeting && ['Enter', 'Escape'].includes(event.key);
+    if (!step && !ends) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (ends) {
+      const merged = event.key === 'Enter' && this.merge('');
+      this.meet(null);
+      if (merged) (this.items[this.selected]?.ring || this.view.stage.canvas).focus();
+      return;
+    }
+    const box = this.view.stage.canvas.getBoundingClientRect();
+    const s = this.singularities[k], [x, y] = this.project(this.center(s));
+    // Directions sit at vertices: as far as it is to another one.
+    for (let far = 1; far <= (s.kind === 'direction' ? 12 : 1); ++far) {
+      const place = { clientX: box.left + x + far * stride * step[0], clientY: box.top + y + far * stride * step[1] };
+      if (s.kind === 'direction' && this.vertexUnder(place) === s.vertex) continue;
+      return move(place, 'move-keys');
+    }
+  }
+
+  /** Another ring at a place on screen that ring k can be merged with, and what the two become; null for none. */
+  metBy(k, place) {
+    const box = this.view.stage.canvas.getBoundingClientRect(), at = [place.clientX - box.left, place.clientY - box.top];
+    let best = onto, found = -1;
+    this.singularities.forEach((s, j) => {
+      if (j === k || this.items[j].ring.hidden) return;
+      const [x, y] = this.project(this.center(s)), distance = Math.hypot(x - at[0], y - at[1]);
+      if (distance < best) [best, found] = [distance, j];
+    });
+    const said = found < 0 ? null : this.actions.meets(k, found);
+    return said && { k, j: found, ...said };
+  }
+
+  /** Says what two rings become; nothing any more for null. */
+  meet(meeting) {
+    if (!meeting && !this.meeting) return;
+    this.meeting = meeting;
+    this.said.textContent = meeting?.text || '';
+    this.said.classList.toggle('refused', Boolean(meeting?.refused));
+    this.set(this.singularities, this.selected);
+    this.view.stage.draw();
+  }
+
+  /** Merges the two that have met; whether they did. */
+  merge(gesture) {
+    const { meeting } = this;
+    if (!meeting || meeting.refused) return false;
+    this.actions.merge(meeting.k, meeting.j, gesture);
+    return true;
   }
 
   /** The corner nearest to the pointer of the face under it; -1 for none. */
@@ -159,6 +212,7 @@ export class Handles {
       const { ring } = this.items[k];
       ring.hidden = !seen;
       ring.style.transform = `translate(${x}px, ${y}px)`;
+      if (k === this.meeting?.j) this.said.style.transform = `translate(${x}px, ${y}px)`;
       if (k !== this.selected || !seen) return;
       shown = true;
       const d = direction(surface, s.face, s.angle || 0, s.relative_to);

@@ -2,6 +2,7 @@
 //
 // mirror.js: designs that are the same on both sides of a plane: which planes the surface allows, and what becomes of
 // controls there. The planes go through the middle of the box around the surface, across its axes.
+import { swirls } from './indices.js';
 import { angleIn, direction, pointIn } from './tangent.js';
 
 const same = 0.01;   // of the diagonal: a surface this close to its mirror image is symmetric
@@ -35,6 +36,16 @@ export class Mirror {
     return p.map((x, c) => (c === this.axis ? -x : x));
   }
 
+  /** Of the plane. */
+  normal() {
+    return [0, 1, 2].map((c) => Number(c === this.axis));
+  }
+
+  /** Whether a control at this point is its own image. */
+  holds(p) {
+    return this.axis >= 0 && this.near(p, this.reflected(p));
+  }
+
   /** A point of the surface, {face, barycentric}, on the other side. */
   place({ face, barycentric }) {
     const hit = this.surface.nearest(this.reflected(pointIn(this.surface, face, barycentric)));
@@ -48,7 +59,7 @@ export class Mirror {
     if (there.face === s.face) return null;
     const image = { ...s, face: there.face };
     if (s.pin) image.pin = there.barycentric;
-    if (n === 1 && s.kind !== 'saddle') {
+    if (swirls(s, n)) {
       // A swirl turns the other way; that of a vortex starts at 90 degrees, that of a sink at 180.
       image.angle = (s.kind === 'vortex' ? -180 : 0) - (s.angle || 0);
     } else {
@@ -71,13 +82,14 @@ export class Mirror {
     return this.surface.faces[3 * face + barycentric.indexOf(Math.max(...barycentric))];
   }
 
-  /** The singularity of the design that mirrors number k; -1 for none. */
+  /** The singularity of the design that mirrors number k; -1 for none. Of several the nearest: while one is dragged onto another there are two. */
   twin(design, k) {
     const list = design.singularities || [], s = list[k];
     if (this.axis < 0 || !s) return -1;
     const spot = (one) => pointIn(this.surface, one.face, Array.isArray(one.pin) ? one.pin : [1 / 3, 1 / 3, 1 / 3]);
-    const image = this.reflected(spot(s));
-    return list.findIndex((one, j) => j !== k && one.kind === s.kind && this.near(spot(one), image));
+    const image = this.reflected(spot(s)), far = (j) => Math.hypot(...spot(list[j]).map((x, c) => x - image[c]));
+    const like = list.map((_, j) => j).filter((j) => j !== k && list[j].kind === s.kind && (list[j].count || 1) === (s.count || 1) && this.near(spot(list[j]), image));
+    return like.reduce((best, j) => (best < 0 || far(j) < far(best) ? j : best), -1);
   }
 
   /** The same for strokes: drawn with as many points, from one end or the other. */

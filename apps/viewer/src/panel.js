@@ -42,17 +42,23 @@ export function displaySection(view) {
 
 /** In the studio the numbers come when they are first asked for; what there will be is in meta.offered. */
 export function colorSection(view) {
-  const offered = view.meta.offered || view.meta.scalars || [];
-  if (!offered.length) return h('section', { hidden: true });
   const legend = h('figure', { class: 'legend', hidden: true });
-  const list = [['', 'Plain', 'No colours'], ...offered.map((s) => [s.name, s.label, s.help])];
+  let list = [];
   const choose = (name) => {
     view.set('color', name);
     element.refresh();
   };
-  const chips = segmented('Colour by', list, view.state.color, choose);
+  const chips = segmented('Colour by', [], view.state.color, choose);
   chips.classList.add('wrap');
   const element = section('Colour', chips, legend);
+  element.offer = () => {
+    const offered = view.meta.offered || view.meta.scalars || [];
+    list = [['', 'Plain', 'No colours'], ...offered.map((s) => [s.name, s.label, s.help])];
+    element.hidden = !offered.length;
+    chips.offer(list);
+    chips.set(view.state.color);
+    element.refresh();
+  };
   element.refresh = () => {
     const s = (view.meta.scalars || []).find((one) => one.name === view.state.color);
     legend.hidden = !s;
@@ -68,7 +74,7 @@ export function colorSection(view) {
     chips.set(next);
     choose(next);
   } };
-  element.refresh();
+  element.offer();
   return element;
 }
 

@@ -2,25 +2,28 @@
 //
 // studio.js: the page in which fields are designed: tools on the left, the surface, the design on the right.
 import { address, ask } from './api.js';
-import { Card, inside } from './card.js';
-import { h, segmented } from './dom.js';
+import { Card } from './card.js';
+import { controlsSection } from './controls_list.js';
+import { fraction, h, segmented } from './dom.js';
 import { Fixed, mirrored, twinOf } from './fixed.js';
 import { Handles } from './handles.js';
+import { indexOf, kindsOf, mostZeros, setIndex, swirls, titleOf } from './indices.js';
 import { listen, onClick, viewKeys } from './keys.js';
 import { Lines } from './lines.js';
+import { merging, splitting } from './merging.js';
 import { Mirror } from './mirror.js';
 import { colorSection, makeHelp, makePanel, singularitySection } from './panel.js';
 import { View } from './scene.js';
 import { Store } from './store.js';
 import { Strokes } from './strokes.js';
-import { coneIndex, conesSection, controlsSection, fieldSection, kindsOf, memorySection, modesSection, showSection, titleOf } from './studio_panel.js';
-import { angleIn, direction } from './tangent.js';
+import { coneIndex, conesSection, fieldSection, memorySection, modesSection, showSection } from './studio_panel.js';
+import { angleIn, direction, inside } from './tangent.js';
 import { makePictures } from './view.js';
 
 const many = 200000;  // faces: curves are drawn far apart first
 const catching = 40;  // pixels from the cross: an arrow key turns by less
 
-const studioKeys = [['V', 'Turn and select'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'At the cross: place it, begin or end a stroke, erase; with Turn, show what is there'], ['Del', 'Remove the selected control'], ['Esc', 'Back to turning']];
+const studioKeys = [['V', 'Turn and select'], ['A', 'Source or wedge'], ['Z', 'Saddle or trisector'], ['D', 'Hold a direction'], ['B', 'Draw strokes'], ['E', 'Erase strokes'], ['Ctrl+Z', 'Undo'], ['Ctrl+Shift+Z', 'Redo'], ['Enter', 'At the cross: place it, begin or end a stroke, erase; with Turn, show what is there'], ['T', 'Split the selected singularity into its zeros'], ['Shift+T', 'Split it in two'], ['Del', 'Remove the selected control'], ['Esc', 'Back to turning']];
 
 export async function startStudio(stage, ui, boot) {
   const mesh = await ask('/api/mesh');
@@ -62,6 +65,8 @@ class Studio {
       select: (at) => which(at, (k) => this.select(k), (k) => this.selectFixed(k)),
       turn: (at, degrees, gesture) => which(at, (k) => this.turn(k, degrees, gesture), (k) => this.turnFixed(k, degrees, gesture)),
       move: (at, hit, gesture) => which(at, (k) => this.move(k, hit, gesture), (k) => this.moveFixed(k, hit, gesture)),
+      meets: (at, other) => which(at, (k) => which(other, (j) => this.meets(k, j), () => null), () => null),
+      merge: (at, other, gesture) => this.merge(at, other, gesture),
       stop: () => this.store.rest(),
     });
     this.strokes = new Strokes(this);
@@ -84,10 +89,10 @@ class Studio {
     this.status = h('span', { class: 'chip', role: 'status' }, 'Starting…');
     this.sections = { field: fieldSection(this), controls: controlsSection(this), cones: conesSection(this), modes: modesSection(this), memory: memorySection(this) };
     this.counts = singularitySection(this.view);
-    this.colors = h('div', {});
+    this.color = colorSection(this.view);
     const header = h('header', {}, h('h1', {}, this.title), this.status);
-    this.panel = makePanel(header, this.sections.controls, this.sections.cones, this.sections.field, showSection(this.view), this.colors, this.counts, this.sections.modes, this.sections.memory);
-    this.tools = h('nav', { class: 'toolbox', 'aria-label': 'Tools' });
+    this.panel = makePanel(header, this.sections.controls, this.sections.cones, this.sections.field, showSection(this.view), this.color, this.counts, this.sections.modes, this.sections.memory);
+    this.tools = segmented('Tool', [], this.tool, (t) => this.choose(t, this.tools.keys));
     this.help = makeHelp([...studioKeys, ...viewKeys.filter(([k]) => k !== '?')]);
     this.undoButton = h('button', { type: 'button', title: 'Undo (Ctrl+Z)', onclick: () => this.store.step('undo') }, 'Undo');
     this.redoButton = h('button', { type: 'button', title: 'Redo (Ctrl+Shift+Z)', onclick: () => this.store.step('redo') }, 'Redo');
@@ -101,7 +106,7 @@ class Studio {
       h('button', { type: 'button', title: 'Save a picture (P)', onclick: () => this.pictures.choose() }, 'Picture'),
       h('button', { type: 'button', title: 'Keys (?)', class: 'wide', onclick: () => this.help.showModal() }, 'Keys'), file);
     this.card = new Card(this);
-    ui.append(this.handles.layer, this.panel, this.tools, menu, this.card.element, this.help, this.exports, this.pictures);
+    ui.append(this.handles.layer, this.panel, h('nav', { class: 'toolbox', 'aria-label': 'Tools' }, this.tools), menu, this.card.element, this.help, this.exports, this.pictures);
     stage.resize();
     stage.frame(mesh.meta.diagonal);
     onClick(stage.canvas, (event) => this.click(event));
@@ -114,7 +119,7 @@ class Studio {
       v: tool('turn'), Escape: () => this.strokes.drop() || this.rest(), b: tool('stroke'), e: tool('erase'), d: tool('direction'), k: () => this.trivial() && this.choose('cone', true),
       a: () => this.choose(kindsOf(this.design.n)[0][0], true), z: () => this.choose(kindsOf(this.design.n).at(-1)[0], true),
       'Ctrl+z': () => this.store.step('undo'), 'Ctrl+Shift+z': () => this.store.step('redo'), 'Ctrl+y': () => this.store.step('redo'),
-      Enter: () => this.act(),
+      Enter: () => this.act(), t: () => this.split(this.selected), 'Shift+t': () => this.split(this.selected, true),
       Delete: () => this.removeChosen(), Backspace: () => this.removeChosen(), p: () => this.pictures.choose(), '?': () => this.help.showModal(),
     });
   }
@@ -211,7 +216,7 @@ class Studio {
     this.stage.draw();
     this.stage.controls.enabled = tool !== 'stroke' && tool !== 'erase';
     this.stage.canvas.classList.toggle('aim', tool !== 'turn');
-    this.tools.set?.(tool);
+    this.tools.set(tool);
   }
 
   select(k) {
@@ -365,13 +370,48 @@ class Studio {
     this.selected = k;
     this.held = -1;
     this.edit(k, (s, d) => {
-      const swirls = d.n === 1 && s.kind !== 'saddle';
-      if (!swirls && !s.relative_to && s.face !== hit.face) {
+      if (!swirls(s, d.n) && !s.relative_to && s.face !== hit.face) {
         s.angle = angleIn(this.view.surface, hit.face, direction(this.view.surface, s.face, s.angle || 0));
       }
       s.face = hit.face;
       if (s.pin) s.pin = inside(hit.barycentric);
     }, gesture);
+  }
+
+  /** How many zeros singularity k is, side by side. */
+  setCount(k, count, gesture) {
+    this.edit(k, (s, d) => setIndex(this.view.surface, s, Math.sign(indexOf(s)) * count, d.n), gesture);
+  }
+
+  /** What becomes of two singularities that are put onto each other: {text, refused}. */
+  meets(k, j) {
+    const { index, kind, refused, both } = merging(this.view.surface, this.mirror, this.design, k, j), count = Math.abs(index);
+    const sum = fraction(index, this.design.n), sides = both ? ', on both sides' : '';
+    if (refused) return { text: `Index ${sum} is more than ${mostZeros} zeros`, refused };
+    return { text: index ? `Becomes ${titleOf(kind).toLowerCase()}${count > 1 ? ` × ${count}` : ''}, index ${sum}${sides}` : `Both go: their indices cancel${sides}` };
+  }
+
+  /** Singularity k becomes one with number j, in the place of that; both go where their indices cancel. */
+  merge(k, j, gesture) {
+    const plan = merging(this.view.surface, this.mirror, this.design, k, j);
+    if (plan.refused) return;
+    this.stroked = this.held = -1;
+    this.change((d) => { this.selected = plan.apply(d); }, gesture);
+  }
+
+  /** Singularity k becomes as many as it has zeros, or two, around its place. */
+  split(k, halves = false) {
+    const { singularities: list = [] } = this.design, count = list[k]?.count || 1;
+    if (count < 2) return;
+    const counts = halves ? [Math.ceil(count / 2), Math.floor(count / 2)] : Array(count).fill(1);
+    const made = splitting(this.view.surface, this.mirror, this.design, k, counts, this.view.meta.diagonal);
+    if (!made) return this.onStatus('note', `There is no room for ${counts.length} singularities around this one.`);
+    this.change(({ singularities: all }) => {
+      all[k] = made.parts[0];
+      if (made.twin >= 0) all[made.twin] = made.images[0];
+      all.push(...made.parts.slice(1), ...made.images.slice(1));
+    });
+    this.handles.items[k].ring.focus();
   }
 
   click(event) {
@@ -444,13 +484,12 @@ class Studio {
     this.stage.draw();
   }
 
-  makeTools(n) {
-    if (this.toolsFor === `${n}${this.trivial()}`) return;
-    this.toolsFor = `${n}${this.trivial()}`;
+  /** The tools of this symmetry and connection. Those that stay are the buttons that they were. */
+  offerTools(n) {
     const kinds = kindsOf(n).map(([kind, sign]) => [kind, h('span', {}, h('i', { class: sign > 0 ? 'mark positive' : 'mark negative' }), titleOf(kind)), `Click where the ${kind} should be`]);
-    const bar = segmented('Tool', [['turn', 'Turn', 'Turn the view, select things (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field should be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Erase strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone should be (K)']] : [])], this.tool, (t) => this.choose(t, bar.keys));
-    this.tools.replaceChildren(bar);
-    this.tools.set = bar.set;
+    const all = [['turn', 'Turn', 'Turn the view, select things (V)'], ...kinds, ['direction', 'Direction', 'Click where the direction of the field should be held (D)'], ['stroke', 'Brush', 'Draw along the surface (B)'], ['erase', 'Eraser', 'Erase strokes (E)'], ...(this.trivial() ? [['cone', 'Cone', 'Click where the cone should be (K)']] : [])];
+    this.tools.offer(all);
+    if (!all.some(([tool]) => tool === this.tool)) this.choose('turn');
   }
 
   onField(pack) {
@@ -477,14 +516,13 @@ class Studio {
       this.showCreases();
       this.time(pack);
     }
-    this.makeTools(this.design.n);
+    this.offerTools(this.design.n);
     this.show(this.design);
     this.counts.refresh();
     if (this.colored !== this.view.meta.n) {
       this.colored = this.view.meta.n;
       if (!this.view.meta.offered.some((s) => s.name === this.view.state.color)) this.view.set('color', '');
-      this.color = colorSection(this.view);
-      this.colors.replaceChildren(this.color);
+      this.color.offer();
     }
     this.undoButton.disabled = !pack.meta.undo;
     this.redoButton.disabled = !pack.meta.redo;

@@ -1,23 +1,13 @@
 // SPDX-License-Identifier: MIT
 //
 // studio_panel.js: the parts of the studio's panel that say what the design is and change it.
-import { connectionDetails, guidanceControls, remarksOf } from './design_panel.js';
+import { connectionDetails, guidanceControls } from './design_panel.js';
 import { arrange, count, fraction, h, plain, section, segmented, short, toggle } from './dom.js';
+import { featureControls } from './feature_panel.js';
+import { indexOf, setIndex } from './indices.js';
 import { numberInput } from './number_input.js';
 import { mark } from './panel.js';
 import { slider } from './slider.js';
-import { angleIn, direction } from './tangent.js';
-
-const titles = { source: 'Source', sink: 'Sink', vortex: 'Vortex', spiral: 'Spiral', saddle: 'Saddle', wedge: 'Wedge', trisector: 'Trisector' };
-
-/** Kinds that a field of symmetry n has, with their index. */
-export function kindsOf(n) {
-  if (n === 1) return [['source', 1], ['sink', 1], ['vortex', 1], ['saddle', -1]];
-  if (n === 2) return [['wedge', 1], ['trisector', -1]];
-  return [['source', 1], ['saddle', -1]];
-}
-
-export const titleOf = (kind) => titles[kind];
 
 /** Text or number of a cone's index as a number. */
 export function coneIndex(index) {
@@ -27,7 +17,7 @@ export function coneIndex(index) {
 }
 
 export function fieldSection(app) {
-  const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v))));
+  const n = segmented('Symmetry', [[1, 'Vector', '1'], [2, 'Line', '2'], [4, 'Cross', '4'], [6, 'Hex', '6']], 4, (v) => app.change((d) => setSymmetry(d, Number(v), app.view.surface)));
   n.append(h('button', { type: 'button', role: 'radio', hidden: true, title: 'The symmetry of the design' }));
   const connection = segmented('Connection', [['global', 'Global', 'As Levi-Civita as possible'], ['local', 'Local', 'Its cheap approximation'], ['polar', 'Polar', 'Of the geodesic polar map around each vertex'], ['trivial', 'Cones', 'Flat except at cones that you place'], ['metric', 'Metric', 'Cones and turns around loops of any size, or the connection closest to one of your own']], 'global',
     (v) => app.change((d) => setConnection(d, v)));
@@ -77,31 +67,6 @@ function boundaryControl(app) {
   return element;
 }
 
-/** Strokes along sharp edges, from an angle on that is found by looking. */
-function featureControls(app) {
-  const on = toggle('Along creases', false, (v) => app.change((d) => {
-    if (v) d.features = { angle: 40 };
-    else delete d.features;
-  }));
-  const angle = slider('Angle', { least: 1, most: 180, value: 40, even: true, unit: '°' }, (v, gesture) => app.change((d) => { d.features.angle = Math.round(v); }, gesture), () => app.store.rest());
-  angle.title = 'Edges that fold by at least this are creases';
-  const weight = slider('Weight', { least: 0.1, most: 1000, value: 1 }, (v, gesture) => app.change((d) => { d.features.weight = v; }, gesture), () => app.store.rest());
-  const said = h('p', { class: 'quiet', role: 'status' });
-  const element = h('div', { class: 'features' }, on, angle, weight, said);
-  element.refresh = (design, reports) => {
-    const wanted = Boolean(design.features);
-    on.set(wanted);
-    on.hidden = design.n % 2 === 1;
-    angle.hidden = weight.hidden = said.hidden = !wanted;
-    if (!wanted) return;
-    angle.set(design.features.angle ?? 40);
-    weight.set(design.features.weight ?? 1);
-    const lines = (app.view.arrays.crease_offsets?.length || 1) - 1, report = (reports || []).find((r) => r.path === '/features');
-    said.textContent = lines ? `${count(lines)} ${lines === 1 ? 'line' : 'lines'}${report ? `, followed to ${short(report.error_degrees)}°` : ''}` : 'No edge folds by that much.';
-  };
-  return element;
-}
-
 /** A plane on whose other side everything happens as well; only those that the surface has. */
 function mirrorControl(app) {
   const choices = segmented('Mirror', [[-1, 'Off', 'Edits are not repeated'], ...['X', 'Y', 'Z'].map((name, axis) => [axis, name, `Repeats every edit across the plane ${name} = 0 through the middle`])], -1, (v) => {
@@ -141,125 +106,15 @@ function setConnection(design, kind) {
 }
 
 /** Kinds are those of the new symmetry: by their sign. */
-function setSymmetry(design, n) {
+function setSymmetry(design, n, surface) {
   design.n = n;
   if (n % 2 === 1) delete design.features;
   // A file holds a field of one symmetry; principal directions are lines, and the smallest curvature has one.
   const { file, ...guidance } = design.guidance || {};
   const left = file || (n % 2 === 1 && /curvature/.test(guidance.field)) || (n !== 2 && guidance.field === 'least-curvature');
   if (left) design.guidance = { ...guidance, field: 'smoothest' };
-  const negative = (kind) => kind === 'saddle' || kind === 'trisector';
-  for (const s of design.singularities || []) {
-    s.kind = s.count > 1 ? (negative(s.kind) ? 'saddle' : 'source') : kindsOf(n).find(([, index]) => (index < 0) === negative(s.kind))[0];
-  }
+  for (const s of design.singularities || []) setIndex(surface, s, indexOf(s), n);
   for (const c of design.connection?.cones || []) c.index = Math.round(coneIndex(c.index) * n) / n;
-}
-
-/** Everything that was asked for, each with what became of it; the chosen one with its numbers. */
-export function controlsSection(app) {
-  const list = h('ul', { class: 'controls' }), remarks = remarksOf(app);
-  const element = section('Design', list, remarks);
-  let shape = '', updates = [];
-  element.refresh = (design, reports) => {
-    const report = new Map((reports || []).map((r) => [r.path, r]));
-    remarks.refresh(design);
-    const rows = [
-      ...(design.singularities || []).map((s, k) => ({
-        path: `/singularities/${k}`, icon: () => mark(s.kind === 'saddle' || s.kind === 'trisector' ? -1 : 1), chosen: k === app.selected, kind: `${design.n === 1 ? s.kind : `${design.n}${kindsOf(design.n)[0][0] === s.kind || s.kind === 'source'}`}${design.method}${Boolean(s.relative_to)}`,
-        label: `${s.name || titles[s.kind]}${s.count > 1 ? ` × ${s.count}` : ''} · ${Math.round((((s.angle || 0) % 360) + 360) % 360)}°`, choose: () => app.select(k), remove: () => app.remove(k),
-        numbers: () => [...countSlider(app, k, s, design.n), slider('Strength', { least: 0.1, most: 100, value: s.strength ?? 1 }, (v, gesture) => app.edit(k, (one) => { one.strength = v; }, gesture), () => app.store.rest()), ...pinToggle(app, k, s), ...startOfAngle(app, k, s)],
-      })),
-      ...(design.fixed || []).map((f, k) => ({
-        path: `/fixed/${k}`, icon: () => h('i', { class: 'mark square' }), chosen: k === app.held, kind: `direction${design.method}${f.length === 'free'}`,
-        label: f.name || `Direction · vertex ${f.vertex}`, choose: () => app.selectFixed(k), remove: () => app.removeFixed(k),
-        numbers: () => (app.eigen() ? [] : [lengthToggle(app, k, f), ...lengthSlider(app, k, f)]),
-      })),
-      ...(design.strokes || []).map((s, k) => ({
-        path: `/strokes/${k}`, icon: () => h('i', { class: 'mark stroke' }), chosen: k === app.stroked, kind: 'stroke',
-        label: s.name ? s.name[0].toUpperCase() + s.name.slice(1) : `Stroke ${k + 1}`, choose: () => app.selectStroke(k), remove: () => app.removeStroke(k),
-        numbers: () => [
-          slider('Weight', { least: 0.1, most: 1000, value: s.weight ?? 1 }, (v, gesture) => app.editStroke(k, (one) => { one.weight = v; }, gesture), () => app.store.rest()),
-          slider('Width', { least: 0, most: 0.2 * app.view.meta.diagonal, value: s.radius ?? 0, even: true }, (v, gesture) => app.editStroke(k, (one) => { one.radius = v; }, gesture), () => app.store.rest()),
-        ],
-      })),
-    ];
-    // A slider under the hand stays the element that it is.
-    const next = JSON.stringify(rows.map(({ path, chosen, kind }) => [path, chosen, kind]));
-    if (next !== shape) {
-      shape = next;
-      const made = rows.map(controlRow), focus = [...list.querySelectorAll('button, input')].indexOf(document.activeElement);
-      list.replaceChildren(...made.map((m) => m.element));
-      if (focus >= 0) list.querySelectorAll('button, input')[focus]?.focus();
-      updates = made.map((m) => m.update);
-      if (!rows.length) list.append(h('li', { class: 'empty' }, 'Nothing yet. Choose a tool on the left, then click on the surface; with the brush, draw on it.'));
-    }
-    rows.forEach((r, k) => updates[k](r, report.get(r.path)));
-  };
-  return element;
-}
-
-/** Zeros side by side that are one from afar; those of the names wedge and trisector are single. */
-function countSlider(app, k, s, n) {
-  const negative = s.kind === 'saddle' || s.kind === 'trisector';
-  if (!negative && n === 1 && s.kind !== 'source') return [];
-  const change = (v, gesture) => app.edit(k, (one, d) => {
-    const count = Math.round(v), names = d.n === 2 ? ['wedge', 'trisector'] : ['source', 'saddle'];
-    if (count > 1) one.count = count;
-    else delete one.count;
-    one.kind = count > 1 ? (negative ? 'saddle' : 'source') : names[Number(negative)];
-  }, gesture);
-  const row = slider('Zeros', { least: 1, most: 8, value: s.count ?? 1, even: true, steps: 7 }, change, () => app.store.rest());
-  row.title = 'How many zeros lie side by side; from afar they are one of that index';
-  return [row];
-}
-
-/** Whether the zero is held where it was put, or only in that face. */
-function pinToggle(app, k, s) {
-  const row = toggle('Exactly here', Boolean(s.pin), (v) => app.edit(k, (one) => {
-    if (v) one.pin = [1 / 3, 1 / 3, 1 / 3];
-    else delete one.pin;
-  }));
-  row.title = 'The zero lies at this point, not just in this face';
-  return [row];
-}
-
-/** Angles of files may start from a direction of space. */
-function startOfAngle(app, k, s) {
-  if (!s.relative_to) return [];
-  const from = () => app.edit(k, (one) => {
-    one.angle = angleIn(app.view.surface, one.face, direction(app.view.surface, one.face, one.angle || 0, one.relative_to));
-    delete one.relative_to;
-  });
-  return [h('p', { class: 'quiet' }, `Its angle starts from the direction ${s.relative_to.map(plain).join(', ')}.`), h('button', { type: 'button', class: 'plain', title: 'The field stays as it is', onclick: from }, 'Start from the face')];
-}
-
-function lengthSlider(app, k, f) {
-  if (f.length === 'free') return [];
-  return [slider('Length', { least: 0.01, most: 100, value: f.length ?? 1 }, (v, gesture) => app.editFixed(k, (one) => { one.length = v; }, gesture), () => app.store.rest())];
-}
-
-function lengthToggle(app, k, f) {
-  const row = toggle('Any length', f.length === 'free', (v) => app.editFixed(k, (one) => {
-    if (v) one.length = 'free';
-    else delete one.length;
-  }));
-  row.title = 'Holds the direction only, not the length of the field';
-  return row;
-}
-
-function controlRow({ icon, chosen, numbers, choose, remove }) {
-  const text = h('span', {}), state = h('span', {});
-  const close = h('button', { type: 'button', class: 'close', onclick: remove }, '×');
-  const element = h('li', { class: chosen ? 'chosen' : '' },
-    h('button', { type: 'button', class: 'name', 'aria-pressed': String(chosen), onclick: choose }, icon(), text), state, close, chosen ? h('div', { class: 'numbers' }, ...numbers()) : null);
-  const update = ({ label }, report) => {
-    text.textContent = label;
-    close.setAttribute('aria-label', `Remove ${label}`);
-    state.className = report ? (report.met ? 'met' : 'unmet') : '';
-    state.textContent = report ? (report.met ? '✓' : `${short(report.error_degrees)}°`) : '';
-    state.title = report ? `Off by ${short(report.error_degrees)}°${/^\/strokes/.test(report.path) ? ' on average' : ''}; up to ${short(report.tolerance_degrees)}° counts as met` : '';
-  };
-  return { element, update };
 }
 
 /** The smoothest fields one after the other, to look at: the design stays as it is. */

@@ -51,3 +51,8 @@ export function angleOfRay(surface, face, center, origin, ray) {
   const offset = subtract(plus(origin, scaled(ray, s)), center);
   return (Math.atan2(dot(offset, y), dot(offset, x)) * 180) / Math.PI;
 }
+
+/** A zero on an edge belongs to neither face: a little inside. */
+export function inside(barycentric) {
+  return barycentric.map((b) => 0.08 / 1.24 + Math.min(Math.max(b, 0), 1) / 1.24);
+}
