@@ -93,6 +93,39 @@ test('a picture can be as wide as one says, up to what the machine draws', async
   await page.evaluate(() => delete alcap.stage.widest);
 });
 
+test('a picture of the command line looks like the page: the same ground, and the same light on the same clay', async () => {
+  const file = join(place, 'field.png');
+  alcap('field', join(place, 'ball.ply'), '--png', file, '--png-size', '1000,700', '--curve-spacing', '1', '-q');
+  const own = await open(browser, pathToFileURL(join(place, 'ball.html')).href, { offline: true });
+  await own.focus('#canvas');
+  await own.keyboard.press('3');
+  await own.keyboard.press('s');
+  /** Of both: a corner, and the middle of the ball, which faces the viewer, as medians of their surroundings. */
+  const [page, picture] = await own.evaluate(async (bytes) => {
+    const { stage } = alcap;
+    await stage.drawn();
+    const image = await createImageBitmap(new Blob([Uint8Array.from(atob(bytes), (c) => c.charCodeAt(0))]));
+    return [[stage.canvas, stage.free.width / 2, stage.free.height / 2], [image, image.width / 2, image.height / 2]].map(([from, x, y]) => {
+      const copy = document.createElement('canvas');
+      [copy.width, copy.height] = [from.width, from.height];
+      const context = copy.getContext('2d');
+      context.drawImage(from, 0, 0);
+      const median = (left, top) => {
+        const { data } = context.getImageData(Math.round(left), Math.round(top), 30, 30);
+        return [0, 1, 2].map((c) => Array.from({ length: data.length / 4 }, (_, k) => data[4 * k + c]).sort((a, b) => a - b)[450]);
+      };
+      return { corner: median(2, 2), middle: median(x - 15, y - 15) };
+    });
+  }, readFileSync(file).toString('base64'));
+  assert.deepEqual(picture.corner, page.corner);
+  const style = await own.evaluate(() => getComputedStyle(document.documentElement).getPropertyValue('--canvas').trim());
+  assert.deepEqual(picture.corner, style.match(/[\da-f]{2}/gi).map((x) => parseInt(x, 16)));
+  const off = Math.max(...picture.middle.map((x, c) => Math.abs(x - page.middle[c])));
+  assert.ok(off <= 3, `${picture.middle} and ${page.middle}`);
+  assert.notDeepEqual(picture.middle, picture.corner);
+  await own.context().close();
+});
+
 test('alcap view makes the same page from the files', async () => {
   alcap('view', join(place, 'out'), '-o', join(place, 'again.html'));
   const again = await open(browser, pathToFileURL(join(place, 'again.html')).href, { offline: true, viewport: { width: 390, height: 844 } });

@@ -7,7 +7,10 @@
 #include <png.h>
 #endif
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -42,6 +45,36 @@ Image read_png(const std::filesystem::path& file) {
   image.bytes.resize(PNG_IMAGE_SIZE(header));
   REQUIRE(png_image_finish_read(&header, nullptr, image.bytes.data(), 0, nullptr));
   return image;
+}
+
+using Color = std::array<int, 3>;
+
+Color color_of(const unsigned char* c) { return {c[0], c[1], c[2]}; }
+
+/// By day, of the page's style sheet.
+Color page_color(const std::string& name) {
+  const std::string style = CliFolder::read(std::filesystem::path(ALCAP_SOURCE_DIR) / "apps/viewer/style.css");
+  const std::size_t at = style.find("--" + name + ": #");
+  REQUIRE(at != std::string::npos);
+  const int rgb = std::stoi(style.substr(at + name.size() + 5, 6), nullptr, 16);
+  return {rgb >> 16 & 255, rgb >> 8 & 255, rgb & 255};
+}
+
+double linear(int byte) {
+  const double c = byte / 255.0;
+  return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+}
+
+/// Whether this is the colour of something under more or less light.
+bool lit(const unsigned char* c, const Color& color) {
+  double product = 0, square = 0, rest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    product += linear(c[k]) * linear(color[k]);
+    square += linear(color[k]) * linear(color[k]);
+  }
+  const double light = product / square;
+  for (std::size_t k = 0; k < 3; ++k) rest += std::abs(linear(c[k]) - light * linear(color[k]));
+  return light > 0.6 && light < 1.1 && rest < 0.02;
 }
 
 bool light(const unsigned char* c) { return c[0] > 225 && c[1] > 225 && c[2] > 225; }
@@ -89,6 +122,37 @@ TEST_CASE("A picture shows the mesh in its middle, curves on it and singularitie
   CHECK(image.share(dark) < 0.5 * mesh);
   CHECK(image.share(orange) > 2e-4);
   CHECK(image.share(blue) > 2e-4);
+#endif
+}
+
+TEST_CASE("A picture has the colours of the page, and its marks: balls and octahedra with their branches") {
+  const CliFolder folder;
+  if (!pictures(folder)) return;
+#ifdef ALCAP_TEST_PNG
+  folder.write("bumpy.off", bumpy_sphere(4, 0.5, 4));
+  REQUIRE(folder.run("field bumpy.off -n 4 --png a.png --png-size 1600,1200").exit == 0);
+  const Image image = read_png(folder.work() / "a.png");
+  for (const int x : {0, 800, 1599})
+    for (const int y : {0, 1199}) CHECK(color_of(image.at(x, y)) == page_color("canvas"));
+  const auto is = [](const Color& color) { return [=](const unsigned char* c) { return color_of(c) == color; }; };
+  CHECK(image.share(is(page_color("ink"))) > 0.005);
+  for (const char* sign : {"positive", "negative"}) {
+    CAPTURE(sign);
+    const Color color = page_color(sign);
+    CHECK(image.share(is(color)) > 1e-4);  // branches are flat
+    std::map<Color, int> shades;
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        if (lit(image.at(x, y), color) && color_of(image.at(x, y)) != color) ++shades[color_of(image.at(x, y))];
+    const auto often = std::count_if(shades.begin(), shades.end(), [](const auto& s) { return s.second > 60; });
+    // Octahedra show four facets, all the same ones; balls have every shade.
+    if (color == page_color("negative")) {
+      CHECK(often >= 2);
+      CHECK(often <= 4);
+    } else {
+      CHECK(shades.size() > 30);
+    }
+  }
 #endif
 }
 

@@ -84,36 +84,12 @@ Program::Program(const char* vertex, const char* fragment) {
   if (!good) unavailable("the driver cannot link a program");
 }
 
-Texture::Texture(int width, int height, bool depth) {
-  glGenTextures(1, &id_);
-  glBindTexture(GL_TEXTURE_2D, id_);
-  glTexStorage2D(GL_TEXTURE_2D, 1, depth ? GL_DEPTH_COMPONENT24 : GL_RGBA8, width, height);
-  const GLint filter = depth ? GL_NEAREST : GL_LINEAR;  // depths cannot be filtered
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-}
-
-void Texture::bind(int unit) const {
-  glActiveTexture(static_cast<GLenum>(GL_TEXTURE0 + unit));
-  glBindTexture(GL_TEXTURE_2D, id_);
-}
-
-Target::Target(const Texture& color, const Texture* depth) {
-  glGenFramebuffers(1, &id_);
-  bind();
-  glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, color.id(), 0);
-  if (depth) glFramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, depth->id(), 0);
-  check_complete();
-}
-
 Target::Target(int width, int height, int samples) {
   glGenFramebuffers(1, &id_);
   bind();
   glGenRenderbuffers(2, buffers_);
   const GLenum formats[] = {GL_RGBA8, GL_DEPTH_COMPONENT24}, places[] = {GL_COLOR_ATTACHMENT0, GL_DEPTH_ATTACHMENT};
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < (samples > 0 ? 2 : 1); ++k) {
     glBindRenderbuffer(GL_RENDERBUFFER, buffers_[k]);
     glRenderbufferStorageMultisample(GL_RENDERBUFFER, samples, formats[k], width, height);
     glFramebufferRenderbuffer(GL_FRAMEBUFFER, places[k], GL_RENDERBUFFER, buffers_[k]);

@@ -37,24 +37,9 @@ class Program {
   GLuint id_ = 0;
 };
 
-/// A texture of one colour plane or of depths.
-class Texture {
- public:
-  Texture(int width, int height, bool depth);
-  Texture(const Texture&) = delete;
-  Texture& operator=(const Texture&) = delete;
-  ~Texture() { glDeleteTextures(1, &id_); }
-  [[nodiscard]] GLuint id() const { return id_; }
-  void bind(int unit) const;
-
- private:
-  GLuint id_ = 0;
-};
-
-/// What is drawn into: textures, or buffers of its own with several samples a pixel.
+/// What is drawn into: buffers with several samples a pixel and depths, or, with 0 samples, colours alone, to be read.
 class Target {
  public:
-  Target(const Texture& color, const Texture* depth);
   Target(int width, int height, int samples);
   Target(const Target&) = delete;
   Target& operator=(const Target&) = delete;

@@ -79,7 +79,7 @@ std::vector<std::string> write_pictures(const FieldOutput& output, const std::op
     files.push_back(options.curves.string());
   }
   if (!options.file.empty()) {
-    write_picture({output.surface.mesh(), output.surface.V(), *curves, output.singularities}, options);
+    write_picture({output.surface.mesh(), output.surface.V(), *curves, output.singularities, output.field.n}, options);
     files.push_back(options.file.string());
   }
   return files;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// png_picture.cpp: the passes of a picture, from depths and normals to occlusion, colours and the file.
+// png_picture.cpp: a picture that looks like the page of the same field (apps/viewer): its colours, its light, its
+// marks.
 #include "apps/alcap/picture/png_picture.h"
 
 #include <fmt/core.h>
@@ -38,18 +39,23 @@ void write_picture(const PictureScene&, const PictureOptions& options) { check_p
 
 namespace {
 
-using gl::Program, gl::Target, gl::Texture, gl::Triangles;
+using gl::Program, gl::Target, gl::Triangles;
 
-/// Red, green, blue (as in #rrggbb) as the shaders want them: linear.
-std::array<float, 3> linear(int rgb) {
-  std::array<float, 3> out{};
-  for (std::size_t c = 0; c < 3; ++c)
-    out[c] = static_cast<float>(std::pow(((rgb >> (16 - 8 * static_cast<int>(c))) & 255) / 255.0, 2.2));
-  return out;
+// Of the page's style sheet, as 0xrrggbb; the build reads them from there.
+constexpr int canvas = ALCAP_PAGE_CANVAS, dark_ink = ALCAP_PAGE_INK, clay = ALCAP_PAGE_CLAY,
+              clay_back = ALCAP_PAGE_CLAY_BACK, positive = ALCAP_PAGE_POSITIVE, negative = ALCAP_PAGE_NEGATIVE;
+
+std::array<float, 3> encoded(int rgb) {
+  return {static_cast<float>(rgb >> 16 & 255) / 255, static_cast<float>(rgb >> 8 & 255) / 255,
+          static_cast<float>(rgb & 255) / 255};
 }
 
-// Colours that people who do not see red and green apart can tell (Okabe and Ito 2008).
-constexpr int clay = 0xd8d4cc, positive = 0xd55e00, negative = 0x0072b2;
+/// As the shaders want them: linear (IEC 61966-2-1).
+std::array<float, 3> linear(int rgb) {
+  std::array<float, 3> out = encoded(rgb);
+  for (float& c : out) c = c <= 0.04045F ? c / 12.92F : std::pow((c + 0.055F) / 1.055F, 2.4F);
+  return out;
+}
 
 class Painter {
  public:
@@ -57,11 +63,21 @@ class Painter {
       : options_(options),
         camera_(make_camera(scene, options)),
         to_eye_(camera_.to_eye.cast<float>()),
-        surface_(surface_vertices(scene), {3, 3}),
-        plus_(ball_vertices(scene, 1, ball_radius()), {3, 3}),
-        minus_(ball_vertices(scene, -1, ball_radius()), {3, 3}) {
-    const Bands bands = curve_bands(scene, 2 * options.spacing * camera_.diagonal);
-    curves_ = std::make_unique<Triangles>(bands.vertices, std::vector<int>{3, 3, 3, 2}, bands.indices);
+        vectors_(scene.n == 1),
+        surface_(surface_vertices(scene), {3, 3}) {
+    // A pixel of a page as high as most screens leave it, or of a smaller one.
+    page_pixel_ = std::max(1.0, options.size[1] / 700.0);
+    const double pixel = page_pixel_ * 2 * camera_.extent[1] / options.size[1];  // world units
+    const MarkSizes sizes{.radius = std::clamp(0.0062 * camera_.diagonal, 3.2 * pixel, 9 * pixel),
+                          .rim = 1.5 * pixel,
+                          .arm = 0.022 * camera_.diagonal};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const int sign = k == 0 ? 1 : -1;
+      marks_[k] = std::make_unique<Triangles>(mark_vertices(scene, sign, sizes, false), std::vector<int>{3, 3});
+      rims_[k] = std::make_unique<Triangles>(mark_vertices(scene, sign, sizes, true), std::vector<int>{3, 3});
+      arms_[k] = bands(arm_bands(scene, sign, sizes));
+    }
+    curves_ = bands(curve_bands(scene, 2 * options.spacing * camera_.diagonal));
     GLint most = 0;
     glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &most);
     if (oversampling * std::max(options.size[0], options.size[1]) > most) factor_ = 1;
@@ -71,42 +87,27 @@ class Painter {
 
   /// Rows from the top, three bytes a pixel.
   std::vector<unsigned char> paint() {
-    const int w = options_.size[0], h = options_.size[1];
-    const Texture depth(w, h, true), normals(w, h, false), open(w, h, false), half_blurred(w, h, false);
+    const int w = factor_ * options_.size[0], h = factor_ * options_.size[1];
+    const Target many(w, h, samples_);
     glViewport(0, 0, w, h);
-    glEnable(GL_DEPTH_TEST);
-    {
-      const Program program(shaders::surface_vertex, shaders::normals_fragment);
-      const Target target(normals, &depth);
-      clear();
-      set_camera(program);
-      for (const Triangles* t : {&surface_, &plus_, &minus_}) t->draw();
-    }
-    occlude(depth, normals, open, half_blurred);
-    const int big_w = factor_ * w, big_h = factor_ * h;
-    const Target many(big_w, big_h, samples_);
-    glViewport(0, 0, big_w, big_h);
-    draw_all(open);
-    const Texture resolved(big_w, big_h, false);
-    const Target one(resolved, nullptr);
+    draw_all();
+    const Target one(w, h, 0);
     glBindFramebuffer(GL_READ_FRAMEBUFFER, many.id());
     glBindFramebuffer(GL_DRAW_FRAMEBUFFER, one.id());
-    glBlitFramebuffer(0, 0, big_w, big_h, 0, 0, big_w, big_h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+    glBlitFramebuffer(0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
     one.bind();
-    std::vector<unsigned char> pixels(static_cast<std::size_t>(big_w) * static_cast<std::size_t>(big_h) * 4);
-    glReadPixels(0, 0, big_w, big_h, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    std::vector<unsigned char> pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h) * 4);
+    glReadPixels(0, 0, w, h, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
     return reduced(pixels);
   }
 
  private:
   static constexpr int oversampling = 2;  // in each direction, on top of the samples of a pixel
 
-  [[nodiscard]] double ball_radius() const { return 0.0105 * camera_.diagonal; }
-
-  static void clear() {
-    glClearColor(1, 1, 1, 1);
-    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  static std::unique_ptr<Triangles> bands(const Bands& all) {
+    return std::make_unique<Triangles>(all.vertices, std::vector<int>{3, 3, 3, 3}, all.indices);
   }
+
   void set_camera(const Program& program) const {
     program.use();
     glUniformMatrix4fv(program.at("camera"), 1, GL_FALSE, camera_.matrix.data());
@@ -115,75 +116,67 @@ class Painter {
                 static_cast<float>(factor_ * options_.size[1]));
   }
 
-  void occlude(const Texture& depth, const Texture& normals, const Texture& open, const Texture& half_blurred) const {
-    glDisable(GL_DEPTH_TEST);
-    const Triangles whole({0, 0, 0}, {1});  // three vertices; places come from their numbers
-    depth.bind(0);
-    normals.bind(1);
-    {
-      const Program program(shaders::whole_vertex, shaders::occlusion_fragment);
-      const Target target(open, nullptr);
-      program.use();
-      glUniform1i(program.at("depths"), 0);
-      glUniform1i(program.at("normals"), 1);
-      glUniform3f(program.at("extent"), static_cast<float>(camera_.extent[0]), static_cast<float>(camera_.extent[1]),
-                  static_cast<float>(camera_.extent[2]));
-      glUniform1f(program.at("radius"), static_cast<float>(0.07 * camera_.diagonal));
-      whole.draw();
-    }
-    const Program blur(shaders::whole_vertex, shaders::blur_fragment);
-    for (const bool across : {true, false}) {
-      const Target target(across ? half_blurred : open, nullptr);
-      (across ? open : half_blurred).bind(1);
-      blur.use();
-      glUniform1i(blur.at("depths"), 0);
-      glUniform1i(blur.at("values"), 1);
-      glUniform2f(blur.at("along"), across ? 1.0F / static_cast<float>(options_.size[0]) : 0,
-                  across ? 0 : 1.0F / static_cast<float>(options_.size[1]));
-      glUniform1f(blur.at("depth_step"), static_cast<float>(0.02 * camera_.diagonal / camera_.extent[2]));
-      whole.draw();
-    }
-  }
+  /// World units towards the eye as a difference of depths.
+  [[nodiscard]] float lifted(double distance) const { return static_cast<float>(2 * distance / camera_.extent[2]); }
 
-  void draw_all(const Texture& open) const {
-    clear();
-    glDisable(GL_DEPTH_TEST);
-    {
-      const Triangles whole({0, 0, 0}, {1});
-      const Program backdrop(shaders::whole_vertex, shaders::backdrop_fragment);
-      backdrop.use();
-      whole.draw();
-    }
+  void draw_all() const {
+    const std::array<float, 3> ground = encoded(canvas);
+    glClearColor(ground[0], ground[1], ground[2], 1);
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glEnable(GL_DEPTH_TEST);
     const Program matte(shaders::surface_vertex, shaders::surface_fragment);
     set_camera(matte);
-    open.bind(0);
-    glUniform1i(matte.at("open"), 0);
-    const auto draw = [&](const Triangles& triangles, int color, float gloss) {
-      glUniform3fv(matte.at("base"), 1, linear(color).data());
-      glUniform1f(matte.at("gloss"), gloss);
-      triangles.draw();
-    };
-    draw(surface_, clay, 0.02F);
-    draw(plus_, positive, 0.25F);
-    draw(minus_, negative, 0.25F);
-    // Curves darken what they lie on, and hide nothing.
-    const Program ink(shaders::curve_vertex, shaders::curve_fragment);
-    set_camera(ink);
-    glUniform1f(ink.at("half_width"), static_cast<float>(0.5 * line_width() * factor_));
-    glUniform1f(ink.at("lift"), static_cast<float>(0.0016 * camera_.diagonal / camera_.extent[2] * 2));
-    glUniform4f(ink.at("ink"), 0.09F, 0.16F, 0.27F, 0.85F);
+    glUniform1f(matte.at("lift"), 0);
+    glUniform3fv(matte.at("front"), 1, linear(clay).data());
+    glUniform3fv(matte.at("back"), 1, linear(clay_back).data());
+    surface_.draw();
+    const Program lines(shaders::curve_vertex, shaders::curve_fragment);
+    draw_bands(lines, *curves_, dark_ink, line_width(), 0.0016 * camera_.diagonal,
+               vectors_ ? 6 * options_.spacing * camera_.diagonal : 0);
+    draw_marks(lines);
+  }
+
+  /// Lines darken what they lie on, and hide nothing. `width`: pixels of the finished picture.
+  void draw_bands(const Program& program, const Triangles& lines, int color, double width, double lift,
+                  double period) const {
+    set_camera(program);
+    glUniform1f(program.at("half_width"), static_cast<float>(0.5 * width * factor_));
+    glUniform1f(program.at("lift"), lifted(lift));
+    glUniform1f(program.at("period"), static_cast<float>(period));
+    glUniform3fv(program.at("ink"), 1, encoded(color).data());
     glEnable(GL_BLEND);
     glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
     glDepthMask(GL_FALSE);
-    curves_->draw();
+    lines.draw();
     glDepthMask(GL_TRUE);
     glDisable(GL_BLEND);
   }
-  /// Pixels of the finished picture: a fifth of the distance of the curves, but visible and not clumsy.
+
+  /// Straight branches, rims (the back of larger marks), marks.
+  void draw_marks(const Program& lines) const {
+    constexpr int colors[] = {positive, negative};
+    const Program solid(shaders::surface_vertex, shaders::mark_fragment);
+    const double near = 0.004 * camera_.diagonal, wide = near * options_.size[1] / (2 * camera_.extent[1]);
+    for (std::size_t k = 0; k < 2; ++k)
+      draw_bands(lines, *arms_[k], colors[k], std::clamp(wide, 1.6 * page_pixel_, 4 * page_pixel_), near, 0);
+    glEnable(GL_CULL_FACE);
+    for (const bool rim : {true, false}) {
+      set_camera(solid);
+      glUniform1f(solid.at("lift"), lifted(near));
+      glUniform1f(solid.at("flatness"), rim ? 1 : 0);
+      glCullFace(rim ? GL_FRONT : GL_BACK);
+      for (std::size_t k = 0; k < 2; ++k) {
+        glUniform3fv(solid.at("base"), 1, linear(rim ? 0xffffff : colors[k]).data());
+        (rim ? rims_ : marks_)[k]->draw();
+      }
+    }
+    glDisable(GL_CULL_FACE);
+  }
+
+  /// Pixels of the finished picture: a tenth of the distance of the curves, but visible and not clumsy.
   [[nodiscard]] double line_width() const {
     const double spacing = options_.spacing * camera_.diagonal * options_.size[1] / (2 * camera_.extent[1]);
-    return std::clamp(0.115 * spacing, 0.9, options_.size[1] / 300.0);
+    return std::clamp(0.1 * spacing, 0.8 * page_pixel_, 2.4 * page_pixel_);
   }
 
   [[nodiscard]] std::vector<unsigned char> reduced(const std::vector<unsigned char>& big) const {
@@ -209,8 +202,11 @@ class Painter {
   const PictureOptions& options_;
   Camera camera_;
   Eigen::Matrix3f to_eye_;
-  Triangles surface_, plus_, minus_;
+  bool vectors_;
+  Triangles surface_;
+  std::array<std::unique_ptr<Triangles>, 2> marks_, rims_, arms_;  // positive, negative
   std::unique_ptr<Triangles> curves_;
+  double page_pixel_ = 1;  // in pixels of the picture
   int factor_ = oversampling;
   GLint samples_ = 0;
 };

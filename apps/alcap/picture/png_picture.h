@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// png_picture.h: a picture of a field without a display: the shaded mesh, curves on it, singularities as small balls.
+// png_picture.h: a picture of a field without a display, as the page shows it: the shaded mesh, curves on it, marks at
+// singularities, balls where the index is positive and octahedra where it is negative, with their straight branches.
 // Drawn by OpenGL ES 3 into memory (EGL without a surface; Mesa's software renderer where there is no graphics card).
 #pragma once
 
@@ -40,6 +41,7 @@ struct PictureScene {
   const Positions<double>& V;
   const CurveSet& curves;
   std::span<const Singularity> singularities = {};
+  int n = 0;  // of the field; 0: no branches at singularities
 };
 
 /// --png, --curves, --curve-spacing, --view, --up, --png-size.

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "alcap/generators.h"
@@ -36,6 +37,35 @@ void put(float* to, const Point& x) {
 Point at(const PictureScene& scene, Index face, const double* b) {
   const auto& F = scene.mesh.F();
   return b[0] * scene.V.row(F(face, 0)) + b[1] * scene.V.row(F(face, 1)) + b[2] * scene.V.row(F(face, 2));
+}
+
+constexpr std::size_t band_floats = 12;
+
+/// Both vertices of a band at one point of its line.
+void put_band(float* to, const Point& x, const Point& normal, const Point& tangent, double width, double arc) {
+  for (const float side : {-1.0F, 1.0F}) {
+    put(to, x);
+    put(to + 3, normal);
+    put(to + 6, tangent);
+    to[9] = side;
+    to[10] = static_cast<float>(width);
+    to[11] = static_cast<float>(arc);
+    to += band_floats;
+  }
+}
+
+/// Corners around the faces of an octahedron around the origin.
+std::vector<Point> octahedron() {
+  std::vector<Point> corners;
+  for (const double x : {1.0, -1.0})
+    for (const double y : {1.0, -1.0})
+      for (const double z : {1.0, -1.0}) {
+        const bool turned = x * y * z < 0;  // counter-clockwise from outside
+        for (const Point& p :
+             {Point(x, 0, 0), turned ? Point(0, 0, z) : Point(0, y, 0), turned ? Point(0, y, 0) : Point(0, 0, z)})
+          corners.push_back(p);
+      }
+  return corners;
 }
 
 }  // namespace
@@ -105,7 +135,7 @@ Bands curve_bands(const PictureScene& scene, double taper) {
   const CurveSet& curves = scene.curves;
   const Positions<double> normals = face_normals(scene);
   Bands bands;
-  bands.vertices.resize(static_cast<std::size_t>(curves.points.rows()) * 22);
+  bands.vertices.resize(static_cast<std::size_t>(curves.points.rows()) * 2 * band_floats);
   for (std::int64_t k = 0; k < curves.size(); ++k) {
     const std::int64_t begin = curves.offsets[static_cast<std::size_t>(k)],
                        end = curves.offsets[static_cast<std::size_t>(k) + 1];
@@ -124,14 +154,8 @@ Bands curve_bands(const PictureScene& scene, double taper) {
       double width = 1;
       if (at_start) width = std::min(width, 0.25 + arc / taper);
       if (at_end) width = std::min(width, 0.25 + (length - arc) / taper);
-      for (int side = 0; side < 2; ++side) {
-        float* to = &bands.vertices[static_cast<std::size_t>(2 * i + side) * 11];
-        put(to, curves.points.row(i));
-        put(to + 3, normal.stableNormalized());
-        put(to + 6, tangent.stableNormalized());
-        to[9] = side == 0 ? -1.0F : 1.0F;
-        to[10] = static_cast<float>(std::max(width, 0.0));
-      }
+      put_band(&bands.vertices[static_cast<std::size_t>(2 * i) * band_floats], curves.points.row(i),
+               normal.stableNormalized(), tangent.stableNormalized(), std::max(width, 0.0), arc);
       if (i == begin) continue;
       const auto a = static_cast<std::uint32_t>(2 * i - 2);
       for (const std::uint32_t corner : {0U, 1U, 2U, 2U, 1U, 3U}) bands.indices.push_back(a + corner);
@@ -140,19 +164,54 @@ Bands curve_bands(const PictureScene& scene, double taper) {
   return bands;
 }
 
-std::vector<float> ball_vertices(const PictureScene& scene, int sign, double radius) {
-  const MeshData ball = icosphere(3);
+Bands arm_bands(const PictureScene& scene, int sign, const MarkSizes& sizes) {
+  Bands bands;
+  const auto& F = scene.mesh.F();
+  for (const Singularity& s : scene.singularities) {
+    if (scene.n == 0 || (s.index > 0) != (sign > 0)) continue;
+    const Point a = scene.V.row(F(s.face, 0)), b = scene.V.row(F(s.face, 1)), c = scene.V.row(F(s.face, 2));
+    const Point x = (b - a).stableNormalized(), normal = (b - a).cross(c - a).stableNormalized(), y = normal.cross(x);
+    const Point centre = at(scene, s.face, s.barycentric.data());
+    const int count = scene.n - sign;  // of a zero of one n-th
+    for (int k = 0; k < count; ++k) {
+      const double angle = s.orientation + 2 * pi<double> * k / count;
+      const Point along = std::cos(angle) * x + std::sin(angle) * y;
+      const auto first = static_cast<std::uint32_t>(bands.vertices.size() / band_floats);
+      bands.vertices.resize(bands.vertices.size() + 4 * band_floats);
+      float* const to = &bands.vertices[first * band_floats];
+      put_band(to, centre, normal, along, 1, 0);
+      put_band(to + 2 * band_floats, centre + sizes.arm * along, normal, along, 1, sizes.arm);
+      for (const std::uint32_t corner : {0U, 1U, 2U, 2U, 1U, 3U}) bands.indices.push_back(first + corner);
+    }
+  }
+  return bands;
+}
+
+std::vector<float> mark_vertices(const PictureScene& scene, int sign, const MarkSizes& sizes, bool rim) {
+  std::vector<Point> corners, normals;
+  if (sign > 0) {
+    const MeshData ball = icosphere(3);
+    for (Eigen::Index t = 0; t < ball.F.rows(); ++t)
+      for (int c = 0; c < 3; ++c) corners.emplace_back(ball.V.row(ball.F(t, c)));
+    normals = corners;
+  } else {
+    corners = octahedron();
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const std::size_t t = k - k % 3;
+      normals.push_back(Point(corners[t] + corners[t + 1] + corners[t + 2]).normalized());
+    }
+  }
   std::vector<float> out;
   for (const Singularity& s : scene.singularities) {
     if ((s.index > 0) != (sign > 0)) continue;
     const Point centre = at(scene, s.face, s.barycentric.data());
-    for (Eigen::Index t = 0; t < ball.F.rows(); ++t)
-      for (int c = 0; c < 3; ++c) {
-        const Point n = ball.V.row(ball.F(t, c));
-        out.resize(out.size() + 6);
-        put(&out[out.size() - 6], centre + radius * n);
-        put(&out[out.size() - 3], n);
-      }
+    const double large = std::abs(s.index) > 1 ? 1.45 : 1, shape = sign > 0 ? 1 : 1.25;
+    const double radius = shape * (large * sizes.radius + (rim ? sizes.rim : 0));
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      out.resize(out.size() + 6);
+      put(&out[out.size() - 6], centre + radius * corners[k]);
+      put(&out[out.size() - 3], normals[k]);
+    }
   }
   return out;
 }

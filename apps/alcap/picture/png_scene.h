@@ -23,7 +23,8 @@ struct Camera {
 /// Position and normal of every corner of every face, six floats each. Normals are smooth but for creases.
 [[nodiscard]] std::vector<float> surface_vertices(const PictureScene& scene);
 
-/// Bands along the curves: position, normal, tangent, side and width, eleven floats a vertex, two vertices a point.
+/// Bands along lines: position, normal, tangent, side, width and arc length, twelve floats a vertex, two vertices a
+/// point.
 struct Bands {
   std::vector<float> vertices;
   std::vector<std::uint32_t> indices;
@@ -31,7 +32,16 @@ struct Bands {
 /// Bands get narrow over `taper` at ends that are not at a boundary and not closed.
 [[nodiscard]] Bands curve_bands(const PictureScene& scene, double taper);
 
-/// Balls at the singularities of this sign: position and normal, six floats a vertex.
-[[nodiscard]] std::vector<float> ball_vertices(const PictureScene& scene, int sign, double radius);
+/// World units.
+struct MarkSizes {
+  double radius = 0;  ///< of an index of one n-th; larger ones are larger
+  double rim = 0;     ///< by how much a rim stands out
+  double arm = 0;     ///< length of the straight branches
+};
+/// The straight branches of the singularities of this sign.
+[[nodiscard]] Bands arm_bands(const PictureScene& scene, int sign, const MarkSizes& sizes);
+/// Balls at the singularities of sign 1, octahedra at those of -1, or their rims: position and normal, six floats a
+/// vertex.
+[[nodiscard]] std::vector<float> mark_vertices(const PictureScene& scene, int sign, const MarkSizes& sizes, bool rim);
 
 }  // namespace alcap::app

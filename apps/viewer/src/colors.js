@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// colors.js: the colours of things, fit for colour-blind eyes, and perceptual colour maps as textures.
+// colors.js: perceptual colour maps as textures. The colours of things are those of style.css.
 import { DataTexture, LinearFilter, SRGBColorSpace } from 'three';
-
-/** Okabe and Ito 2008. */
-export const positive = '#d55e00';
-export const negative = '#0072b2';
 
 /** Sequential (viridis) and diverging (vik, Crameri 2018): stops at equal distances. */
 const stops = {

@@ -4,7 +4,6 @@
 // colour-blind eyes tell apart, each with a light rim; and the straight branches of their patterns.
 import { BackSide, Color, FrontSide, Group, IcosahedronGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, OctahedronGeometry, ShaderMaterial } from 'three';
 
-import { negative, positive } from './colors.js';
 import { Lines } from './lines.js';
 
 const vertexShader = /* glsl */ `
@@ -39,25 +38,26 @@ export class Marks {
     this.object = new Group();
     this.diagonal = diagonal;
     this.materials = [];
-    this.kinds = [this.kind(new IcosahedronGeometry(1, 3), positive), this.kind(new OctahedronGeometry(1.25, 0), negative)];
-    this.arms = [positive, negative].map((color) => {
-      const lines = new Lines({ color, width: 0.004 * diagonal, widths: [1.6, 4], lift: 0.003, order: 3 });
+    this.kinds = [this.kind(new IcosahedronGeometry(1, 3), '--positive'), this.kind(new OctahedronGeometry(1.25, 0), '--negative')];
+    this.arms = ['--positive', '--negative'].map((variable) => {
+      const lines = new Lines({ variable, width: 0.004 * diagonal, widths: [1.6, 4], lift: 0.003, order: 3 });
       this.object.add(lines.object);
       return lines;
     });
   }
 
-  kind(shape, color) {
+  kind(shape, variable) {
     const meshes = [true, false].map((rim) => {
       const material = new ShaderMaterial({
         vertexShader,
         fragmentShader,
         side: rim ? BackSide : FrontSide,
         uniforms: {
-          color: { value: new Color(rim ? '#fff' : color) }, flatness: { value: rim ? 1 : 0 }, height: { value: 1 },
+          color: { value: new Color('#fff') }, flatness: { value: rim ? 1 : 0 }, height: { value: 1 },
           radius: { value: 0.0062 * this.diagonal }, pixels: { value: [3.2, 9] }, grow: { value: rim ? 1.5 : 0 },
         },
       });
+      material.variable = rim ? null : variable;
       this.materials.push(material);
       const mesh = new Mesh(copies(shape), material);
       mesh.frustumCulled = false;
@@ -66,6 +66,11 @@ export class Marks {
       return mesh;
     });
     return { shape, meshes };
+  }
+
+  theme(style) {
+    for (const m of this.materials) if (m.variable) m.uniforms.color.value.set(style.getPropertyValue(m.variable).trim());
+    for (const a of this.arms) a.theme(style);
   }
 
   /** 8 numbers each: position, normal, index, swirl; arms: number of the singularity, direction. */
