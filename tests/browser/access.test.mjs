@@ -83,6 +83,7 @@ for (const { colorScheme, viewport } of looks) {
       'cones that do not sum up': { ...base, connection: { kind: 'trivial', cones: ring.slice(1) } },
       metric: { ...base, connection: { kind: 'metric', cones: [{ vertex: 0, index: 0.3 }, { vertex: 9, index: -0.3 }] } },
       creases: { ...base, features: { angle: 10 } },
+      'several zeros': { ...base, singularities: [{ face: 3, kind: 'saddle', count: 3 }] },
       'strokes and directions': { ...base, strokes: [{ vertices: [0, 9] }], fixed: [{ vertex: 40, direction: [1, 0, 0] }] },
       eigen: { alcap_design: 1, n: 4, method: 'eigen', singularities: [{ face: 3, kind: 'source' }] },
     })) {
