@@ -28,6 +28,7 @@
 #include "alcap/generators.h"
 #include "alcap/geometry.h"
 #include "alcap/handoff.h"
+#include "alcap/index.h"
 #include "alcap/intrinsic.h"
 #include "alcap/matrix_file.h"
 #include "alcap/memory.h"

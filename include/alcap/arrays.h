@@ -96,8 +96,8 @@ template <class Points>
 }
 
 /// Triangles as the library keeps them, #F x 3. Throws OptionError when `F` does not have three columns and MeshError
-/// (index_out_of_range, naming the faces) for an index below 0 or not below 2^31, which the library's 32 bits cannot
-/// hold; whether an index has a vertex is checked where a mesh is made.
+/// (index_out_of_range, naming the faces) for an index that Index cannot hold, below 0 or not below 2^31 (2^63 in the
+/// library of 64 bits); whether an index has a vertex is checked where a mesh is made.
 template <class Triangles>
 [[nodiscard]] Faces as_faces(Triangles&& F) {
   if constexpr (std::is_same_v<std::remove_cvref_t<Triangles>, Faces>) {

@@ -27,12 +27,10 @@
 #include <numbers>
 
 #include "alcap/errors.h"
+#include "alcap/index.h"
 #include "alcap/version.h"
 
 namespace alcap {
-
-/// Vertex, edge, face and halfedge numbers: 32 bits in bulk arrays. Counts that can pass 2^31 use std::int64_t.
-using Index = std::int32_t;
 
 /// "No such element": the twin of a boundary halfedge, the component of an unreferenced vertex.
 inline constexpr Index none = -1;

@@ -111,7 +111,7 @@ struct DesignRun {
   std::optional<FieldFeatures> features;
   std::vector<DesignOutcome> outcomes;     ///< singularities, fixed vertices, strokes, boundary, features, cones
   std::vector<EigenReport> eigen;          ///< eigen designs: per component, in the order of topology; otherwise empty
-  int rows = 0;                            ///< low-rank rows in this solve
+  std::int64_t rows = 0;                   ///< low-rank rows in this solve
   int solves = 0;                          ///< right-hand sides solved for
   double residual = 0;                     ///< recomputed; of eigen designs the largest
   std::string solver;                      ///< the backend and its choices

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "alcap/index.h"
 #include "alcap/names.h"
 
 namespace alcap {
@@ -98,8 +99,7 @@ struct NamesOf<Element> {
 class MeshError : public Error {
  public:
   /// See the accessors.
-  MeshError(const std::string& what, Defect defect, Element element, std::int64_t count,
-            std::vector<std::int32_t> first)
+  MeshError(const std::string& what, Defect defect, Element element, std::int64_t count, std::vector<Index> first)
       : Error(what), defect_(defect), element_(element), count_(count), first_(std::move(first)) {}
   /// What is wrong.
   [[nodiscard]] Defect defect() const { return defect_; }
@@ -108,13 +108,13 @@ class MeshError : public Error {
   /// How many elements are concerned.
   [[nodiscard]] std::int64_t count() const { return count_; }
   /// The first offenders: vertex or face numbers, or pairs of vertices for edges.
-  [[nodiscard]] const std::vector<std::int32_t>& first() const { return first_; }
+  [[nodiscard]] const std::vector<Index>& first() const { return first_; }
 
  private:
   Defect defect_;
   Element element_;
   std::int64_t count_;
-  std::vector<std::int32_t> first_;
+  std::vector<Index> first_;
 };
 
 namespace detail {

@@ -23,7 +23,7 @@
 
 namespace alcap {
 
-/// The sparse matrices of this library: column-compressed, 32-bit indices.
+/// The sparse matrices of this library: column-compressed, with the library's indices.
 template <class Scalar>
 using SparseMatrix = Eigen::SparseMatrix<Scalar, Eigen::ColMajor, Index>;
 

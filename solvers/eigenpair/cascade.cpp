@@ -270,7 +270,8 @@ class Cascade {
   /// Whether more states than a block has may compete for the first place, and this level has the unknowns for them.
   [[nodiscard]] bool resolves(std::size_t l, double smallest) const {
     const double states = states_below(smallest, 1 / floor_);
-    return !counted_ && states > dense_states && hierarchy_.levels()[l].rows() >= unknowns_of_a_state * states;
+    return !counted_ && states > dense_states &&
+           static_cast<double>(hierarchy_.levels()[l].rows()) >= unknowns_of_a_state * states;
   }
 
   /// A and the masses of a level.

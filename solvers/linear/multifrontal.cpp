@@ -175,7 +175,8 @@ void Multifrontal::find_supernodes(const Matrix& A) {
       Super both{.first = c.first, .last = s.last, .front = own + s.front, .zeros = 0};
       both.zeros = c.zeros + s.zeros + static_cast<double>(own) * static_cast<double>(both.front - c.front);
       const Index columns = both.last - both.first + 1;
-      const double all = static_cast<double>(columns) * (static_cast<double>(both.front) - 0.5 * (columns - 1));
+      const double all =
+          static_cast<double>(columns) * (static_cast<double>(both.front) - 0.5 * static_cast<double>(columns - 1));
       if (!worth_merging(columns, both.zeros / all)) break;
       s = both;
       done.pop_back();

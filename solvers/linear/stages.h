@@ -4,6 +4,7 @@
 // and are timed. Internal to solvers/.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -34,7 +35,7 @@ struct Pattern {
           for (std::int64_t j = begin; j < end; ++j) {
             const Index last = count == nullptr ? start[j + 1] : start[j] + count[j];
             for (Index k = start[j]; k < last; ++k)
-              sum += mixed((static_cast<std::uint64_t>(j) << 32U) + static_cast<std::uint64_t>(row[k]));
+              sum += mixed(std::rotl(static_cast<std::uint64_t>(j), 32) + static_cast<std::uint64_t>(row[k]));
           }
           return sum;
         },

@@ -102,7 +102,7 @@ Level finest(const Operand& A, const SparseMatrix<std::complex<double>>* transpo
     throw SolveError("multigrid: the matrix is not positive definite (its diagonal is not positive at column " +
                      std::to_string(i) + ")");
   }
-  unit = parallel_sum<double>(n, [&](std::int64_t i) { return diagonal[i]; }) / n;
+  unit = parallel_sum<double>(n, [&](std::int64_t i) { return diagonal[i]; }) / static_cast<double>(n);
   parallel_for(n, [&](std::int64_t i) { level.near[i] = static_cast<float>(std::sqrt(diagonal[i] / unit)); });
   const auto scale = static_cast<float>(1 / unit);
   scale_entries(level.off, scale, level.near, level.off.value);
@@ -182,7 +182,8 @@ void Hierarchy::build(const Operand& A, const SparseMatrix<std::complex<double>>
     fine.largest = largest_eigenvalue(fine);
     if (fine.rows() <= dense_rows) break;
     const Aggregates aggregates = aggregate(fine);
-    if (aggregates.count == 0 || aggregates.count > stalled * fine.rows()) break;
+    if (aggregates.count == 0 || static_cast<double>(aggregates.count) > stalled * static_cast<double>(fine.rows()))
+      break;
     smooth_prolongation(fine, aggregates);
     Level coarse = galerkin(fine);
     fine.guide = {};

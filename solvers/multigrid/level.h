@@ -55,7 +55,7 @@ inline constexpr std::int64_t mg_grain = 4096;
 /// y_i = p u_i + q v_i + s (A x)_i for all rows, K vectors each; u and v may be null, or y. x may not be y.
 template <int K>
 void combine_rows(const Rows& A, const float* x, float p, const float* u, float q, const float* v, float s, float* y) {
-  static_assert(sizeof(Index) == sizeof(int) && sizeof(std::int64_t) == sizeof(long long));
+  static_assert(sizeof(std::int64_t) == sizeof(long long));
   const simd::RawRows raw{reinterpret_cast<const long long*>(A.start.data()), A.column.data(),
                           reinterpret_cast<const float*>(A.value.data())};
   const auto rows = block_kernels<K>().rows;

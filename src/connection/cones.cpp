@@ -33,7 +33,7 @@ class Balance {
         inside_(topology.components.size(), 0),
         curvature_(Vector::Zero(mesh.vertices())),
         share_(Vector::Zero(mesh.vertices())) {
-    for (std::size_t c = 0; c < lacking_.size(); ++c) lacking_[c] = topology.components[c].euler;
+    for (std::size_t c = 0; c < lacking_.size(); ++c) lacking_[c] = static_cast<double>(topology.components[c].euler);
     // Boundary loops take the turning of the boundary itself, to the next multiple; cones take what the inside has.
     for (const Loop& loop : topology.loops) {
       double turning = 0;

@@ -45,7 +45,7 @@ void check_sums(const char* field, const Topology& topology, const VectorX<doubl
   }
   for (std::size_t c = 0; c < sum.size(); ++c) {
     if (topology.components[c].boundary_loops > 0) continue;
-    const double wanted = 2 * pi<double> * topology.components[c].euler;
+    const double wanted = 2 * pi<double> * static_cast<double>(topology.components[c].euler);
     if (std::abs(sum[c] - wanted) > sum_tolerance * std::max(1.0, size[c]))
       throw OptionError(field, sum[c],
                         "the curvatures of component " + std::to_string(c) +

@@ -29,7 +29,7 @@ struct Wish {
 
 detail::ConeSurface surface_of(const Mesh& mesh, const Topology& topology) {
   detail::ConeSurface surface{.vertices = mesh.vertices()};
-  for (const ComponentInfo& c : topology.components) surface.euler.push_back(c.euler);
+  for (const ComponentInfo& c : topology.components) surface.euler.push_back(static_cast<double>(c.euler));
   for (const Loop& loop : topology.loops) surface.loop_component.push_back(loop.component);
   return surface;
 }

@@ -9,6 +9,7 @@
 #include "src/base/limits.h"
 #include "src/base/pages.h"
 #include "src/base/parallel.h"
+#include "src/energy/real_places.h"
 
 namespace alcap {
 
@@ -16,8 +17,7 @@ HermitianPattern::HermitianPattern(const Mesh& mesh) {
   const Index vertices = mesh.vertices();
   const std::int64_t nonzeros = std::int64_t{vertices} + 2 * std::int64_t{mesh.edges()};
   if (nonzeros > detail::most_entries)
-    throw OptionError("mesh", std::to_string(nonzeros) + " matrix entries",
-                      "at most 2^31 - 1 fit 32-bit sparse indices");
+    throw OptionError("mesh", std::to_string(nonzeros) + " matrix entries", detail::entries_that_fit());
 
   // A vertex's column holds itself and its neighbours: one per leaving halfedge, one more at a boundary.
   detail::resize_unset(outer_, std::int64_t{vertices} + 1);
@@ -77,18 +77,19 @@ SparseMatrix<Complex<double>> HermitianPattern::matrix() const {
 SparseMatrix<double> real_view(const SparseMatrix<Complex<double>>& A) {
   if (A.nonZeros() > detail::most_entries / 4)
     throw OptionError("A", std::to_string(A.nonZeros()) + " entries",
-                      "its real view has four times as many, and at most 2^31 - 1 fit 32-bit sparse indices");
+                      "its real view has four times as many, and " + detail::entries_that_fit());
   SparseMatrix<double> R(2 * A.rows(), 2 * A.cols());
   R.resizeNonZeros(4 * A.nonZeros());
   const Index columns = static_cast<Index>(A.cols());
   R.outerIndexPtr()[2 * columns] = 4 * A.outerIndexPtr()[columns];
   parallel_for(columns, [&](std::int64_t j) {
-    const Index begin = A.outerIndexPtr()[j], end = A.outerIndexPtr()[j + 1], size = end - begin;
-    R.outerIndexPtr()[2 * j] = 4 * begin;
-    R.outerIndexPtr()[2 * j + 1] = 4 * begin + 2 * size;
+    const Index begin = A.outerIndexPtr()[j], end = A.outerIndexPtr()[j + 1];
+    const detail::RealPlaces<Index> places{begin, end - begin};
+    R.outerIndexPtr()[2 * j] = places.first_column();
+    R.outerIndexPtr()[2 * j + 1] = places.second_column();
     for (Index k = begin; k < end; ++k) {
       const Complex<double> a = A.valuePtr()[k];
-      const Index re = 4 * begin + 2 * (k - begin), im = re + 2 * size;
+      const Index re = places.first(k - begin), im = places.second(k - begin);
       const Index row = 2 * A.innerIndexPtr()[k];
       R.innerIndexPtr()[re] = R.innerIndexPtr()[im] = row;
       R.innerIndexPtr()[re + 1] = R.innerIndexPtr()[im + 1] = row + 1;

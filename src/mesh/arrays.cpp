@@ -34,7 +34,7 @@ namespace {
 template <class T>
 bool fits(T index) {
   if constexpr (std::is_signed_v<T>) {
-    return index >= 0 && index <= T{std::numeric_limits<Index>::max()};
+    return index >= 0 && index <= std::int64_t{std::numeric_limits<Index>::max()};
   } else {
     return index <= static_cast<T>(std::numeric_limits<Index>::max());
   }
@@ -44,7 +44,7 @@ bool fits(T index) {
 template <class T>
 [[noreturn]] void refuse_indices(const ThreeColumns<T>& F) {
   constexpr std::size_t most_named = 8;
-  std::vector<std::int32_t> first;
+  std::vector<Index> first;
   std::int64_t count = 0;
   std::string example;
   for (std::int64_t t = 0; t < F.rows; ++t) {
@@ -53,11 +53,12 @@ template <class T>
       if (fits(row[k * F.column_stride])) continue;
       if (count++ == 0)
         example = "face " + std::to_string(t) + " has the index " + std::to_string(row[k * F.column_stride]);
-      if (first.size() < most_named) first.push_back(static_cast<std::int32_t>(t));
+      if (first.size() < most_named) first.push_back(static_cast<Index>(t));
       break;
     }
   }
-  throw MeshError(counted(count, "face has", "faces have") + " an index that is negative or not below 2^31: " + example,
+  throw MeshError(counted(count, "face has", "faces have") + " an index that is negative or not below 2^" +
+                      std::to_string(index_digits) + ": " + example,
                   Defect::index_out_of_range, Element::face, count, std::move(first));
 }
 
@@ -66,7 +67,9 @@ template <class T>
 template <class T>
 Faces copy_faces(const ThreeColumns<T>& F) {
   if (F.rows > detail::most_faces)
-    throw OptionError("F", std::to_string(F.rows) + " rows", "must be below 2^31 / 3: halfedges have 32-bit numbers");
+    throw OptionError("F", std::to_string(F.rows) + " rows",
+                      "must be below 2^" + std::to_string(index_digits) + " / 3: halfedges have " +
+                          std::to_string(index_digits + 1) + "-bit numbers");
   Faces out(F.rows, 3);
   const bool good = parallel_reduce(
       F.rows, true,

@@ -11,6 +11,7 @@
 #include <unordered_map>
 
 #include "src/base/cancel.h"
+#include "src/base/index_pair.h"
 #include "src/base/random.h"
 
 namespace alcap {
@@ -35,7 +36,7 @@ MeshData subdivided(const MeshData& s) {
   const Eigen::Index faces = s.F.rows();
   MeshData out{Positions<double>(old + faces * 3 / 2, 3), Faces(4 * faces, 3)};
   out.V.topRows(old) = s.V;
-  std::unordered_map<std::uint64_t, Index> midpoint;
+  std::unordered_map<detail::IndexPair, Index, detail::IndexPairHash> midpoint;
   midpoint.reserve(static_cast<std::size_t>(faces * 3 / 2));
   Index next = old;
   for (Eigen::Index t = 0; t < faces; ++t) {
@@ -43,8 +44,7 @@ MeshData subdivided(const MeshData& s) {
     Index m[3];
     for (int c = 0; c < 3; ++c) {
       const Index i = s.F(t, c), j = s.F(t, (c + 1) % 3);
-      const auto key = static_cast<std::uint64_t>(std::min(i, j)) << 32 | static_cast<std::uint64_t>(std::max(i, j));
-      const auto [at, added] = midpoint.try_emplace(key, next);
+      const auto [at, added] = midpoint.try_emplace(detail::IndexPair{std::min(i, j), std::max(i, j)}, next);
       if (added) out.V.row(next++) = (s.V.row(i) + s.V.row(j)).normalized();
       m[c] = at->second;
     }
@@ -67,10 +67,10 @@ MeshData icosahedron() {
   return s;
 }
 
-/// Refuses a by b quads when their halfedges could not be numbered.
+/// Refuses a by b quads when their halfedges could not be numbered, or rows and columns not be counted.
 void check_quads(std::int64_t a, std::int64_t b, const char* field) {
-  constexpr std::int64_t most = std::numeric_limits<Index>::max() / 6;
-  require(a * b <= most, field, b, "makes more faces than can be numbered");
+  constexpr std::int64_t most = std::numeric_limits<Index>::max() / 6, most_across = std::numeric_limits<int>::max();
+  require(a <= most_across && b <= most_across && a * b <= most, field, b, "makes more faces than can be numbered");
 }
 
 Positions<double> torus_points(int nu, int nv, double R, double r) {
@@ -90,7 +90,7 @@ template <class Choice>
 Faces torus_faces(int nu, int nv, Choice&& other_diagonal) {
   Faces F(2 * static_cast<Eigen::Index>(nu) * nv, 3);
   Eigen::Index t = 0;
-  const auto number = [&](int i, int j) { return static_cast<Index>((i % nu) * nv + j % nv); };
+  const auto number = [&](int i, int j) { return Index{i % nu} * nv + j % nv; };
   for (int i = 0; i < nu; ++i) {
     for (int j = 0; j < nv; ++j) {
       const Index a = number(i, j), b = number(i + 1, j), c = number(i + 1, j + 1), d = number(i, j + 1);
@@ -210,7 +210,7 @@ MeshData grid(int nx, int ny, double width, double height) {
   positive(width, "width");
   positive(height, "height");
   MeshData s{Positions<double>((nx + Eigen::Index{1}) * (ny + 1), 3), Faces(2 * Eigen::Index{nx} * ny, 3)};
-  const auto number = [&](int i, int j) { return static_cast<Index>(j * (nx + 1) + i); };
+  const auto number = [&](int i, int j) { return j * (Index{nx} + 1) + i; };
   for (int j = 0; j <= ny; ++j) {
     for (int i = 0; i <= nx; ++i) s.V.row(number(i, j)) << width * i / nx, height * j / ny, 0;
   }
@@ -231,8 +231,8 @@ MeshData disk(int rings) {
   const Eigen::Index r = rings;
   MeshData s{Positions<double>(1 + 3 * r * (r + 1), 3), Faces(6 * r * r, 3)};
   s.V.row(0).setZero();
-  const auto number = [](int ring, int k) {  // vertex k of the 6 ring vertices of a ring
-    return static_cast<Index>(ring == 0 ? 0 : 1 + 3 * (ring - 1) * ring + k % (6 * ring));
+  const auto number = [](Index ring, Index k) {  // vertex k of the 6 ring vertices of a ring
+    return ring == 0 ? 0 : 1 + 3 * (ring - 1) * ring + k % (6 * ring);
   };
   Eigen::Index t = 0;
   for (int ring = 1; ring <= rings; ++ring) {
@@ -271,7 +271,7 @@ MeshData cylinder(int nu, int nv, double radius, double height) {
   positive(radius, "radius");
   positive(height, "height");
   MeshData s{Positions<double>(Eigen::Index{nu} * (nv + 1), 3), Faces(2 * Eigen::Index{nu} * nv, 3)};
-  const auto number = [&](int i, int j) { return static_cast<Index>(j * nu + i % nu); };
+  const auto number = [&](int i, int j) { return Index{j} * nu + i % nu; };
   Eigen::Index t = 0;
   for (int j = 0; j <= nv; ++j) {
     for (int i = 0; i < nu; ++i) {

@@ -12,6 +12,7 @@
 #include "alcap/generators.h"
 #include "src/base/array.h"
 #include "src/base/cancel.h"
+#include "src/base/index_pair.h"
 #include "src/base/random.h"
 
 namespace alcap {
@@ -63,9 +64,7 @@ MeshData compacted(const MeshData& s, const std::vector<Eigen::RowVector<Index, 
   return out;
 }
 
-std::uint64_t directed(Index i, Index j) {
-  return static_cast<std::uint64_t>(i) << 32 | static_cast<std::uint64_t>(static_cast<std::uint32_t>(j));
-}
+using detail::IndexPair;
 
 /// The smallest angle's sine of triangle (i, j, k) of a star-shaped surface, negative when it faces inward.
 double quality(const Positions<double>& V, Index i, Index j, Index k) {
@@ -78,23 +77,23 @@ double quality(const Positions<double>& V, Index i, Index j, Index k) {
 
 /// Flips a random part of the edges where both new triangles keep a smallest angle above about 11 degrees.
 void flip_some_edges(MeshData& s, double part, detail::Random& random) {
-  std::unordered_map<std::uint64_t, Index> halfedge;
+  std::unordered_map<IndexPair, Index, detail::IndexPairHash> halfedge;
   halfedge.reserve(static_cast<std::size_t>(3 * s.F.rows()));
   const auto add_face = [&](Index t) {
-    for (Index c = 0; c < 3; ++c) halfedge[directed(s.F(t, c), s.F(t, (c + 1) % 3))] = 3 * t + c;
+    for (Index c = 0; c < 3; ++c) halfedge[{s.F(t, c), s.F(t, (c + 1) % 3)}] = 3 * t + c;
   };
   for (Index t = 0; t < s.F.rows(); ++t) add_face(t);
   for (Index h = 0; h < 3 * s.F.rows(); ++h) {
     detail::check_cancelled_at(h);
     const Index t = h / 3, i = s.F(t, h % 3), j = s.F(t, (h + 1) % 3), k = s.F(t, (h + 2) % 3);
     const bool wanted = random.uniform() < part;
-    const auto opposite = halfedge.find(directed(j, i));
+    const auto opposite = halfedge.find(IndexPair{j, i});
     if (!wanted || opposite == halfedge.end()) continue;
     const Index u = opposite->second / 3, l = s.F(u, (opposite->second + 2) % 3);
-    if (halfedge.contains(directed(k, l)) || halfedge.contains(directed(l, k))) continue;
+    if (halfedge.contains(IndexPair{k, l}) || halfedge.contains(IndexPair{l, k})) continue;
     if (std::min(quality(s.V, k, i, l), quality(s.V, l, j, k)) < 0.2) continue;
-    halfedge.erase(directed(i, j));
-    halfedge.erase(directed(j, i));
+    halfedge.erase(IndexPair{i, j});
+    halfedge.erase(IndexPair{j, i});
     s.F.row(t) << k, i, l;
     s.F.row(u) << l, j, k;
     add_face(t);

@@ -67,7 +67,7 @@ bool DelaunayFlips::empty_queue(std::vector<Index>* changed) {
     queued_[static_cast<std::size_t>(e)] = 0;
     if (!complete_ || mesh_.delaunay(e) || !mesh_.flip(e)) continue;
     flipped = true;
-    complete_ = static_cast<double>(++count_) < most_ * mesh_.edges();
+    complete_ = static_cast<double>(++count_) < most_ * static_cast<double>(mesh_.edges());
     const Index h = mesh_.halfedge(e);
     for (const Index side : {h, mesh_.twin(h)}) {
       ask(mesh_.edge(Mesh::next(side)));
@@ -98,8 +98,9 @@ Refinement::Refinement(IntrinsicMesh& mesh, DelaunayFlips& flips, const Intrinsi
       cot_(1 / std::tan(options.min_angle)),
       largest_(options.max_radius > 0 ? options.max_radius * options.max_radius
                                       : std::numeric_limits<double>::infinity()) {
-  constexpr double numbered = 1e9;  // well below 2^31 halfedges
-  most_ = static_cast<Index>(std::min(numbered / 6, (1 + options.most_vertices) * mesh.vertices()));
+  constexpr double numbered = sizeof(Index) == 4 ? 1e9 : 4e18;  // halfedges, well below what is numbered
+  most_ =
+      static_cast<Index>(std::min(numbered / 6, (1 + options.most_vertices) * static_cast<double>(mesh.vertices())));
   for (Index e = 0; e < mesh.edges() && !any_fixed_; ++e) any_fixed_ = mesh.fixed(e);
 }
 

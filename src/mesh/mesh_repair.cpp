@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "alcap/mesh_check.h"
+#include "src/base/index_pair.h"
 #include "src/base/numbers.h"
 #include "src/mesh/face_edges.h"
 #include "src/mesh/near_vertices.h"
@@ -167,14 +168,14 @@ std::int64_t Repairing::join_short_sides() {
 /// A face whose corner q lies on its longest side r-p is flipped with the neighbour there; without one it is dropped.
 std::int64_t Repairing::flip_flat_faces(std::vector<char>& drop) {
   auto& F = mesh_.F;
-  const auto key = [](Index i, Index j) { return (std::uint64_t(std::uint32_t(i)) << 32) | std::uint32_t(j); };
+  using Ends = detail::IndexPair;
   std::vector<Index> flat;
   for (Eigen::Index t = 0; t < F.rows(); ++t)
     if (!collapsed(t) && alcap::degenerate(mesh_.V.row(F(t, 0)), mesh_.V.row(F(t, 1)), mesh_.V.row(F(t, 2))))
       flat.push_back(static_cast<Index>(t));
   if (flat.empty()) return 0;
-  std::unordered_map<std::uint64_t, std::vector<Index>> halfedges;
-  for (Index h = 0; h < 3 * F.rows(); ++h) halfedges[key(F(h / 3, h % 3), F(h / 3, (h + 1) % 3))].push_back(h);
+  std::unordered_map<Ends, std::vector<Index>, detail::IndexPairHash> halfedges;
+  for (Index h = 0; h < 3 * F.rows(); ++h) halfedges[{F(h / 3, h % 3), F(h / 3, (h + 1) % 3)}].push_back(h);
   std::vector<char> touched(at(F.rows()), 0);
   std::int64_t changed = 0;
   for (const Index t : flat) {
@@ -186,7 +187,7 @@ std::int64_t Repairing::flip_flat_faces(std::vector<char>& drop) {
       if (length > longest) longest = length, side = c;
     }
     const Index r = F(t, side), p = F(t, (side + 1) % 3), q = F(t, (side + 2) % 3);
-    const auto across = halfedges.find(key(p, r));
+    const auto across = halfedges.find(Ends{p, r});
     touched[at(t)] = 1;
     if (across == halfedges.end()) {
       drop[at(t)] = 1;
@@ -195,8 +196,8 @@ std::int64_t Repairing::flip_flat_faces(std::vector<char>& drop) {
     }
     const Index h = across->second.front(), s = h / 3, d = F(s, (h + 2) % 3);
     // With several faces there, or the new side already taken, flipping would make a worse defect.
-    if (across->second.size() > 1 || touched[at(s)] != 0 || d == q || halfedges.count(key(q, d)) != 0 ||
-        halfedges.count(key(d, q)) != 0)
+    if (across->second.size() > 1 || touched[at(s)] != 0 || d == q || halfedges.count(Ends{q, d}) != 0 ||
+        halfedges.count(Ends{d, q}) != 0)
       continue;
     touched[at(s)] = 1;
     F.row(t) << p, q, d;

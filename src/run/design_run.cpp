@@ -378,7 +378,8 @@ DesignRun DesignStages::solve(const DesignFile& design) {
     say("solve");
     const FeatureGraph lines =
         alone == AlignedAlone::features ? run.features->graph : sharp_edges(surface_, {.creases = false});
-    const double coarser = static_cast<double>(connected_.mesh().vertices()) / given_.mesh().vertices();
+    const double coarser =
+        static_cast<double>(connected_.mesh().vertices()) / static_cast<double>(given_.mesh().vertices());
     converged = solve_along(alone, connected_, graph_there(lines), coarser, options_, there, reports, run);
   } else if (run.design.method == DesignMethod::variational) {
     converged = solve_guided(there, reports, run);

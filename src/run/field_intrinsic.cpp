@@ -54,7 +54,8 @@ std::optional<double> solve_on_intrinsic(const FieldRunOptions& options, const S
   if (options.progress) options.progress("solve");
   if (options.align) {
     // Zeros are wanted to the triangles of the mesh, not to those that only carry its needles.
-    const double coarser = static_cast<double>(solve.surface().mesh().vertices()) / solve.given_vertices();
+    const double coarser =
+        static_cast<double>(solve.surface().mesh().vertices()) / static_cast<double>(solve.given_vertices());
     solve_aligned(options, solve.surface(), graph_on(solve.triangulation(), graph.edges, graph), coarser, run);
     run.features->graph = std::move(graph);
     std::erase_if(run.features->free_corners, [&](Index v) { return v >= solve.given_vertices(); });

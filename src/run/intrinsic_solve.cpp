@@ -35,7 +35,7 @@ constexpr double obtuse = -1;
 constexpr double least_weight = 1e-3;
 
 double largest_radius(const Surface& surface) {
-  const double mean = surface.geometry().total_area() / surface.mesh().faces();
+  const double mean = surface.geometry().total_area() / static_cast<double>(surface.mesh().faces());
   return largest_circle * std::sqrt(4 * mean / (3 * std::sqrt(3.0)));
 }
 

@@ -83,7 +83,7 @@ void count(const PlanOptions& o, std::int64_t vertices, RunPlan& plan) {
   const auto refuse = [&](std::int64_t number, const char* what, std::int64_t most) {
     if (number > most)
       plan.refusals.push_back(std::to_string(number) + " " + what + " are more than the " + std::to_string(most) +
-                              " that 32-bit indices can number");
+                              " that " + std::to_string(detail::index_digits + 1) + "-bit indices can number");
   };
   refuse(o.faces, "faces", detail::most_faces);
   refuse(vertices, "vertices", detail::most_faces);

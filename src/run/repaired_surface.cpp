@@ -39,8 +39,9 @@ Surface mollified(Positions<double> V, Mesh mesh, RepairedSurface& out) {
     const Index h = mesh.halfedge(static_cast<Index>(e));
     lengths[e] = (V.row(mesh.tip(h)) - V.row(mesh.tail(h))).stableNorm();
   });
-  const double margin =
-      mollify_margin * parallel_sum<double>(mesh.edges(), [&](std::int64_t e) { return lengths[e]; }) / mesh.edges();
+  const double margin = mollify_margin *
+                        parallel_sum<double>(mesh.edges(), [&](std::int64_t e) { return lengths[e]; }) /
+                        static_cast<double>(mesh.edges());
   const auto lacks = [&](Index h) {
     const double side = lengths[mesh.edge(h)];
     return margin + side - lengths[mesh.edge(Mesh::next(h))] - lengths[mesh.edge(Mesh::prev(h))];

@@ -5,19 +5,21 @@
 // Blocks of K vectors have 2 K numbers a row: K real parts, then K imaginary parts.
 #pragma once
 
+#include "alcap/index.h"
+
 namespace alcap::detail::simd {
 
 /// Rows of a sparse complex matrix in single precision.
 struct RawRows {
   const long long* start;
-  const int* column;
+  const Index* column;
   const float* value;  ///< pairs
 };
 
 /// Columns of two Hermitian matrices of one pattern; row j is the conjugate of column j.
 struct RawPencil {
-  const int* start;
-  const int* row;
+  const Index* start;
+  const Index* row;
   const double* S;  ///< pairs
   const double* M;
   double S_scale, M_scale;

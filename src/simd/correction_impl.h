@@ -25,7 +25,7 @@ ALCAP_INLINE void load_coefficients(const FaceArrays<S, size>& f, int l, kernels
 
 /// What P::size faces see of their halfedges k, into v; `row` becomes where they see it.
 template <class P, class S>
-ALCAP_INLINE void gather(S* exchange, const std::uint32_t* rows, int k, S* (&row)[P::size], kernels::FaceState<P>& v) {
+ALCAP_INLINE void gather(S* exchange, const ExchangeRow* rows, int k, S* (&row)[P::size], kernels::FaceState<P>& v) {
   const S* from[P::size];
   for (int i = 0; i < P::size; ++i) from[i] = row[i] = exchange + 4 * static_cast<unsigned long long>(rows[i]);
   P seen[4];
@@ -74,7 +74,7 @@ ALCAP_INLINE void prefetch_rows(const PairBlock<S>* blocks, long long from, long
   const long long later = from + ahead;
   if (later >= end) return;
   for (int k = 0; k < 4; ++k) {
-    const std::uint32_t* const rows = blocks[later / block_size].row[k / 2][k % 2] + later % block_size;
+    const ExchangeRow* const rows = blocks[later / block_size].row[k / 2][k % 2] + later % block_size;
     for (int i = 0; i < count; ++i) __builtin_prefetch(exchange + 4ULL * rows[i]);
   }
 }

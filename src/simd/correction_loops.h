@@ -8,10 +8,15 @@
 #pragma once
 
 #include <cstdint>
+#include <type_traits>
 
+#include "alcap/index.h"
 #include "kernels/face_relaxation.h"
 
 namespace alcap::detail::simd {
+
+/// A row of the exchange: there are two for every edge, as many as halfedges and a few more.
+using ExchangeRow = std::make_unsigned_t<Index>;
 
 /// Faces, pairs or edges that are worked on together, one array per quantity.
 inline constexpr int block_size = 64;
@@ -25,15 +30,15 @@ struct FaceArrays {
 template <class S>
 struct FaceBlock {
   FaceArrays<S> face;
-  std::uint32_t row[3][block_size];  // of the exchange, for its halfedges
+  ExchangeRow row[3][block_size];  // of the exchange, for its halfedges
 };
 
 /// Two faces that share their halfedges 0.
 template <class S>
 struct PairBlock {
   FaceArrays<S> face[2];
-  S inverse[6][block_size];             // for the edge between
-  std::uint32_t row[2][2][block_size];  // for halfedges 1 and 2 of each
+  S inverse[6][block_size];           // for the edge between
+  ExchangeRow row[2][2][block_size];  // for halfedges 1 and 2 of each
 };
 
 /// The vectors of conjugate gradients, in variables in which the 3 x 3 block of every edge is the identity.

@@ -25,7 +25,7 @@ inline void pencil_single(const RawPencil& A, long long begin, long long end, co
   for (long long j = begin; j < end; ++j, Sx += 2, Mx += 2) {
     // Lanes: S times re, S times im, the same of M. As in block_impl.h the two halves are joined at the end of a row.
     P re(0.0), im(0.0);
-    for (int e = A.start[j]; e < A.start[j + 1]; ++e) {
+    for (Index e = A.start[j]; e < A.start[j + 1]; ++e) {
       const double* const s = A.S + 2 * static_cast<long long>(e);
       const double* const m = A.M + 2 * static_cast<long long>(e);
       const double* const from = x + 2 * static_cast<long long>(A.row[e]);

@@ -8,7 +8,7 @@ get_filename_component(ROOT "${ROOT}" ABSOLUTE)
 # includes its own layer and earlier ones; a public header includes only public headers that stand before it here.
 set(layers
   "kernels                 |"
-  "src/base                | names errors control version conventions memory"
+  "src/base                | index names errors control version conventions memory"
   "src/simd                |"
   "solvers/dense           |"
   "solvers/linear          | solve backends"

@@ -78,7 +78,7 @@ std::string binary_off(const char* keyword, int behind, int colours) {
   }
   for (Eigen::Index t = 0; t < box.F.rows(); ++t) {
     put(bytes, std::int32_t{3}, true);
-    for (int c = 0; c < 3; ++c) put(bytes, std::int32_t{box.F(t, c)}, true);
+    for (int c = 0; c < 3; ++c) put(bytes, static_cast<std::int32_t>(box.F(t, c)), true);
     put(bytes, std::int32_t{colours}, true);
     for (int k = 0; k < colours; ++k) put(bytes, 1.0F, true);
   }
@@ -98,7 +98,7 @@ std::string binary_ply() {
     for (int c = 0; c < 3; ++c) put(bytes, static_cast<float>(box.V(v, c)), false);
   for (Eigen::Index t = 0; t < box.F.rows(); ++t) {
     bytes += '\3';
-    for (int c = 0; c < 3; ++c) put(bytes, std::int32_t{box.F(t, c)}, false);
+    for (int c = 0; c < 3; ++c) put(bytes, static_cast<std::int32_t>(box.F(t, c)), false);
   }
   return bytes;
 }

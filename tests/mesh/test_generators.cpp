@@ -4,6 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 
 #include "alcap/generators.h"
 #include "alcap/mesh_check.h"
@@ -135,8 +136,8 @@ TEST_CASE("tori have genus 1, lie on the torus and face outward") {
   check_shape(torus(3, 3, R, r), 1, 0);
   const MeshData s = torus(40, 20, R, r);
   // Quad (i, j) = (2, 5): a b c and a c d, with vertex (i, j) at i nv + j.
-  CHECK(s.F.row(2 * (2 * 20 + 5)) == Eigen::RowVector3i(45, 65, 66));
-  CHECK(s.F.row(2 * (2 * 20 + 5) + 1) == Eigen::RowVector3i(45, 66, 46));
+  CHECK(s.F.row(2 * (2 * 20 + 5)) == Eigen::RowVector3<Index>(45, 65, 66));
+  CHECK(s.F.row(2 * (2 * 20 + 5) + 1) == Eigen::RowVector3<Index>(45, 66, 46));
   const Faces random = torus_random_diagonals(40, 20, R, r, 3).F;
   Index differ = 0;
   for (Eigen::Index t = 0; t < 1600; t += 2) differ += random.row(t) != s.F.row(t);
@@ -250,7 +251,10 @@ TEST_CASE("bad arguments are refused by name") {
   CHECK(field([] { return torus(5, 5, 1, -1); }) == "r");
   CHECK(field([] { return flat_torus(1, 5); }) == "nu");
   CHECK(field([] { return grid(0, 5); }) == "nx");
+  CHECK(field([] { return grid(std::numeric_limits<int>::max(), 1); }) == "ny");
+#ifndef ALCAP_INDEX_64
   CHECK(field([] { return grid(50000, 50000); }) == "ny");
+#endif
   CHECK(field([] { return grid(5, 5, 0); }) == "width");
   CHECK(field([] { return disk(0); }) == "rings");
   CHECK(field([] { return fan(2); }) == "count");

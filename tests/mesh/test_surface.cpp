@@ -7,6 +7,7 @@
 
 #include <cstring>
 #include <limits>
+#include <utility>
 
 #include "alcap/generators.h"
 
@@ -108,8 +109,10 @@ void check_refused(const MeshData& s, T index) {
     CHECK(e.defect() == Defect::index_out_of_range);
     CHECK(e.element() == Element::face);
     CHECK(e.count() == 2);
-    CHECK(e.first() == std::vector<std::int32_t>{2, 4});
-    CHECK(std::string(e.what()).find(std::to_string(index)) != std::string::npos);
+    CHECK(e.first() == std::vector<Index>{2, 4});
+    // One that can be held is refused as every other without a vertex; else it is named.
+    const bool held = std::cmp_greater_equal(index, 0) && std::cmp_less_equal(index, std::numeric_limits<Index>::max());
+    CHECK((held || std::string(e.what()).find(std::to_string(index)) != std::string::npos));
   }
 }
 
@@ -143,6 +146,7 @@ TEST_CASE("arrays of other shapes are refused, naming the array") {
   CHECK_THROWS_AS(Surface(std::vector<float>{}, s.F), MeshError);
 }
 
+#ifndef ALCAP_INDEX_64
 TEST_CASE("wide indices that 32 bits do not hold are refused, naming the faces") {
   const MeshData s = tetrahedron();
   std::vector<std::int64_t> wide(s.F.data(), s.F.data() + s.F.size());
@@ -156,10 +160,11 @@ TEST_CASE("wide indices that 32 bits do not hold are refused, naming the faces")
     CHECK(e.defect() == Defect::index_out_of_range);
     CHECK(e.element() == Element::face);
     CHECK(e.count() == 2);
-    CHECK(e.first() == std::vector<std::int32_t>{1, 3});
+    CHECK(e.first() == std::vector<Index>{1, 3});
     CHECK(std::string(e.what()).find("face 1 has the index " + std::to_string(wide[4])) != std::string::npos);
   }
 }
+#endif
 
 TEST_CASE("indices that no vertex has are refused, naming the faces") {
   const MeshData s = icosphere(1);

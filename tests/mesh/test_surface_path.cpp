@@ -100,7 +100,7 @@ TEST_CASE("shortest_path: ends that are equal, out of reach, or no vertices") {
   CHECK(shortest_path(surface, 0, 5).empty());
   CHECK(shortest_path(surface, 5, 0).empty());
   CHECK(shortest_path(surface, 0, last).empty());
-  for (const Index bad : {-1, last + 1}) {
+  for (const Index bad : {Index{-1}, last + 1}) {
     CHECK_THROWS_AS(static_cast<void>(shortest_path(surface, bad, 0)), OptionError);
     CHECK_THROWS_AS(static_cast<void>(shortest_path(surface, 0, bad)), OptionError);
   }

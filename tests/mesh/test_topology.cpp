@@ -68,7 +68,7 @@ void check_generators(const Mesh& mesh) {
     ++interior;
   }
   for (const ComponentInfo& c : topology.components) {
-    expected += 2 * c.genus + std::max(c.boundary_loops - 1, 0);
+    expected += 2 * c.genus + std::max<Index>(c.boundary_loops - 1, 0);
     if (c.boundary_loops == 0) --interior;  // the rings of a closed component sum to zero
   }
   all = rings;

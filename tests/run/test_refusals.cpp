@@ -93,6 +93,7 @@ std::vector<Refusal> mesh_refusals(const Scene& s) {
       {"weld_tolerance", [&s] { (void)repair_mesh(s.plate.V, s.plate.F, {.weld_tolerance = 0.2}); }},
       {"u", [&s] { (void)intrinsic_delaunay(s.surface).from_given(ComplexVectorX<double>(3), 4); }, "3 values",
        "one per given vertex"},
+#ifndef ALCAP_INDEX_64  // where no memory holds what cannot be numbered
       {"steps", [] { (void)cad_like(100'000, 2000); }, "2000", "more faces than can be numbered"},
       {"F",
        [] {
@@ -100,6 +101,7 @@ std::vector<Refusal> mesh_refusals(const Scene& s) {
          (void)detail::copy_faces<std::int32_t>({face, std::int64_t{1} << 31, 0, 1});
        },
        "2147483648 rows", "2^31 / 3"},
+#endif
   };
 }
 

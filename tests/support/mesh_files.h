@@ -99,7 +99,7 @@ inline std::string encode(const std::string& name, const Positions<double>& V, c
   for (Eigen::Index i = 0; i < V.size(); ++i) out += raw(V.data()[i], big);
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
     out += raw(std::uint8_t{3});
-    for (int c = 0; c < 3; ++c) out += raw(F(t, c), big);
+    for (int c = 0; c < 3; ++c) out += raw(static_cast<std::int32_t>(F(t, c)), big);
   }
   return out;
 }

@@ -30,7 +30,7 @@ Cone parse_cone(const std::string& text) {
   const std::size_t slash = std::min(index.find('/'), index.size());
   Cone cone{.vertex = parse_number<Index>(text, text.substr(0, colon)),
             .index = parse_number<double>(text, index.substr(0, slash))};
-  if (slash < index.size()) cone.index /= parse_number<Index>(text, index.substr(slash + 1));
+  if (slash < index.size()) cone.index /= static_cast<double>(parse_number<Index>(text, index.substr(slash + 1)));
   if (!std::isfinite(cone.index)) throw cli::ValidationError("--cone", text + " has no finite index");
   return cone;
 }
@@ -40,7 +40,8 @@ double parse_turns(const char* option, const std::string& text) {
   const std::size_t slash = std::min(text.find('/'), text.size());
   double turns = parse_number<double>(text, text.substr(0, slash), option, "a number of turns, such as 0.25 or -1/4");
   if (slash < text.size())
-    turns /= parse_number<Index>(text, text.substr(slash + 1), option, "a number of turns, such as 0.25 or -1/4");
+    turns /= static_cast<double>(
+        parse_number<Index>(text, text.substr(slash + 1), option, "a number of turns, such as 0.25 or -1/4"));
   if (!std::isfinite(turns)) throw cli::ValidationError(option, text + " is not finite");
   return turns;
 }

@@ -42,8 +42,9 @@ class Parts {
     if (error != std::errc() || stop != text.data() + text.size() || !std::isfinite(double(value))) fail();
     return value;
   }
-  [[nodiscard]] Index index(std::size_t k) const {
-    const auto value = number<Index>(parts_[k]);
+  template <class Whole = Index>
+  [[nodiscard]] Whole index(std::size_t k) const {
+    const auto value = number<Whole>(parts_[k]);
     if (value < 0) fail();
     return value;
   }
@@ -217,7 +218,7 @@ void add_singularity_options(cli::App& app, DesignFlags& flags) {
         e.other = static_cast<std::size_t>(parts.index(1));
       else
         e.to = parts.index(1);
-      if (parts.size() == 3) e.count = parts.index(2);
+      if (parts.size() == 3) e.count = parts.index<int>(2);
       flags.edits.push_back(e);
     });
   };

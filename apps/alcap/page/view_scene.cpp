@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <map>
 
 #include "alcap/operators.h"
@@ -94,6 +96,10 @@ void add_scalar(ViewPack& pack, Json entry, const VectorX<double>& values) {
 
 void add_mesh(ViewPack& pack, const Surface& surface) {
   const Positions<double>& V = surface.V();
+  // What a page has of them it numbers with 32 bits.
+  if (V.rows() > std::numeric_limits<std::uint32_t>::max() ||
+      surface.F().rows() > std::numeric_limits<std::uint32_t>::max())
+    throw OptionError("html", std::to_string(surface.F().rows()) + " faces", "are more than a page can number");
   const Eigen::RowVector3d center = center_of(V);
   pack.meta["center"] = {center.x(), center.y(), center.z()};
   pack.meta["diagonal"] = diagonal_of(V);

@@ -375,7 +375,7 @@ Json mesh_json(const Surface& surface) {
           {"unreferenced_vertices", mesh.vertices() - mesh.referenced_vertices()},
           {"area", number(geometry.total_area())},
           {"edge_length_min", number(length.least)},
-          {"edge_length_mean", number(length.sum / mesh.edges())},
+          {"edge_length_mean", number(length.sum / static_cast<double>(mesh.edges()))},
           {"edge_length_max", number(length.most)},
           {"angle_min_degrees", number(angle.least * 180 / pi<double>)},
           {"angle_max_degrees", number(angle.most * 180 / pi<double>)}};

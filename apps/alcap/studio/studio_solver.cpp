@@ -96,7 +96,7 @@ std::shared_ptr<const StudioResult> StudioSolver::solve(const DesignFile& design
 std::shared_ptr<const StudioResult> StudioSolver::mode(const StudioResult& solved, double s, int k) {
   const detail::Stopwatch watch;
   const int n = solved.field.n;
-  const int most = std::min<int>(most_modes, solved.surface.mesh().vertices());
+  const int most = static_cast<int>(std::min<Index>(most_modes, solved.surface.mesh().vertices()));
   if (k < 1 || k > most) throw OptionError("mode", k, "must be from 1 to " + std::to_string(most));
   if (modes_n_ != n || modes_s_ != s || &modes_surface_.connection() != &solved.surface.connection()) {
     modes_n_ = 0;

@@ -196,7 +196,7 @@ void measure_any(const std::string& name, int level, const MeshData& surface, co
                  TablesResult& result) {
   const Mesh mesh(surface.F, surface.V.rows());
   const Geometry geometry(mesh, surface.V);
-  const double expected = 2 * find_topology(mesh).euler();
+  const double expected = 2 * static_cast<double>(find_topology(mesh).euler());
   for (std::size_t i = 0; i < connection_names.size(); ++i) {
     const Connection connection = make_connection(mesh, geometry, i);
     const Frames frames = vertex_frames(mesh, surface.V, connection);

@@ -29,13 +29,14 @@ HalfedgeWeights::HalfedgeWeights(const Mesh& mesh, const Geometry& geometry, con
   if (topology.components.size() == 1) {
     const double sum =
         parallel_sum<double>(mesh.edges(), [&](std::int64_t e) { return geometry.length(static_cast<Index>(e)); });
-    per_length_ = {mesh.edges() / sum};
+    per_length_ = {static_cast<double>(mesh.edges()) / sum};
     return;
   }
   std::vector<double> sum(topology.components.size());
   for (Index e = 0; e < mesh.edges(); ++e)
     sum[at(topology.face_component[at(Mesh::face(mesh.halfedge(e)))])] += geometry.length(e);
-  for (std::size_t c = 0; c < sum.size(); ++c) per_length_.push_back(topology.components[c].edges / sum[c]);
+  for (std::size_t c = 0; c < sum.size(); ++c)
+    per_length_.push_back(static_cast<double>(topology.components[c].edges) / sum[c]);
   face_component_ = std::move(topology.face_component);
 }
 

@@ -14,7 +14,8 @@
 namespace alcap::detail {
 namespace {
 
-// Length to an eighth of an octave, then a number that is different for every edge.
+// Length to an eighth of an octave, then a number that is different for every edge below 2^32. Two that share one are
+// an arbitrary choice of a face, and at worst no pair in this round.
 std::uint64_t rank(double length, Index e) {
   constexpr std::uint32_t kept = 0xFFF00000;  // sign, exponent and three more bits
   std::uint32_t mixed = static_cast<std::uint32_t>(e) * 0x9E3779B1U;

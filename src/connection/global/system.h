@@ -222,7 +222,7 @@ class CorrectionSystem {
         const bool used = l + i < count;
         store(c, i, f.face, l + i, used);
         for (int k = 0; k < 3; ++k) {
-          f.row[k][l + i] = static_cast<std::uint32_t>(used ? row(first[i] + k) : spare_row());
+          f.row[k][l + i] = static_cast<simd::ExchangeRow>(used ? row(first[i] + k) : spare_row());
           if (used) put_own_block(own[k], i, f.row[k][l + i]);
         }
       }
@@ -253,7 +253,7 @@ class CorrectionSystem {
           Index h = first[side][i];
           for (int k = 0; k < 2; ++k) {
             h = Mesh::next(h);
-            f.row[side][k][l + i] = static_cast<std::uint32_t>(used ? row(h) : spare_row() + 1);
+            f.row[side][k][l + i] = static_cast<simd::ExchangeRow>(used ? row(h) : spare_row() + 1);
             if (used) put_own_block(outer[side][k], i, f.row[side][k][l + i]);
           }
         }
@@ -280,14 +280,14 @@ class CorrectionSystem {
     f.stiffness[l] = used ? static_cast<S>(c.stiffness[lane]) : S(0);
   }
 
-  void put_own_block(const simd::GroupArray (&own)[6], int lane, std::uint32_t row) {
+  void put_own_block(const simd::GroupArray (&own)[6], int lane, simd::ExchangeRow row) {
     auto& side = edges_[row / (2 * B)].own[row % 2];
     for (int k = 0; k < 6; ++k) side[k][row / 2 % B] = static_cast<S>(own[k][lane]);
   }
 
   [[nodiscard]] EdgeCorrection unwhiten(Index i, const S (&v)[3][B]) const {
     const auto& u = edges_[i / B].whitening;
-    const int l = i % B;
+    const auto l = static_cast<int>(i % B);
     const S mean = -(u[0][l] * v[0][l] + u[1][l] * v[1][l] + u[3][l] * v[2][l]);
     const S difference = -(u[2][l] * v[1][l] + u[4][l] * v[2][l]);
     return {double(mean), double(difference), double(u[5][l] * v[2][l])};

@@ -113,7 +113,7 @@ class EvenlySpaced {
 
   void trace_all() {
     // Every so many-th face tries a seed in its middle: often enough to find every gap that a curve fits into.
-    const double face_area = flow_.geometry().total_area() / flow_.mesh().faces();
+    const double face_area = flow_.geometry().total_area() / static_cast<double>(flow_.mesh().faces());
     const std::int64_t stride =
         to_integer(0.2 * spacing_ * spacing_ / face_area, std::int64_t{1}, std::int64_t{flow_.mesh().faces()});
     const std::int64_t tries = (flow_.mesh().faces() + stride - 1) / stride * families_;

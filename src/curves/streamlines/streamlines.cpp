@@ -38,7 +38,8 @@ PathLimits limits(const Flow& flow, const StreamlineOptions& options) {
 
 CurveBudget::CurveBudget(const Flow& flow, const StreamlineOptions& options, double all_samples, double samples) {
   constexpr std::int64_t most = std::int64_t{1} << 60;
-  const double faces = flow.mesh().faces(), families = flow.n() % 2 == 0 ? flow.n() / 2.0 : flow.n();
+  const double faces = static_cast<double>(flow.mesh().faces()),
+               families = flow.n() % 2 == 0 ? flow.n() / 2.0 : flow.n();
   // Errors of steps are of fifth order; at 1e-6 a face takes two or three steps.
   const double finer = std::max(1.0, std::sqrt(std::sqrt(1e-6 / options.tolerance)));
   // Evenly spaced curves cross a face about once a family. A curve crosses some edges on every edge length of its way,

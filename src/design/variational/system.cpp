@@ -110,7 +110,7 @@ void Designer::State::make_matrix(bool fold) {
 double Designer::State::anchor() const {
   double sum = 0;
   for (Index v = 0; v < mesh.vertices(); ++v) sum += S2.valuePtr()[pattern.diagonal(v)].real();
-  return sum / mesh.vertices();
+  return sum / static_cast<double>(mesh.vertices());
 }
 
 void Designer::State::hold_kernel() {

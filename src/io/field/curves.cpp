@@ -31,10 +31,10 @@ void write_vtp(AtomicFile& file, const CurveSet& curves, int n) {
                             [&rows](std::int64_t i, double* x) { put_vector(x, rows.row(i)); });
   };
   const Section cells{"CellData", "", {reason("start", curves.start_reason), reason("end", curves.end_reason)}};
+  const std::int64_t last = points == 0 ? 0 : *std::max_element(curves.faces.begin(), curves.faces.end());
   const Section data{"PointData",
                      "",
-                     {array<std::int32_t, 1>(
-                          "face", points, [&](std::int64_t i, std::int32_t* x) { x[0] = curves.faces[detail::at(i)]; }),
+                     {whole_numbers("face", points, last, [&](std::int64_t i) { return curves.faces[detail::at(i)]; }),
                       vectors("barycentric", curves.barycentric)}};
   const Section places{"Points", "", {vectors("Points", curves.points)}};
   const Section lines{

@@ -5,6 +5,7 @@
 #include "src/io/field/ply_rows.h"
 
 #include "alcap/version.h"
+#include "src/base/narrow.h"
 #include "src/io/field/format.h"
 #include "src/io/field/rows.h"
 
@@ -35,6 +36,7 @@ WrittenFiles write_ply(const FieldJob& job, const Target& target) {
   const Mesh& mesh = out.surface.mesh();
   WrittenFiles files = open_files({target.file});
   AtomicFile& file = *files[0];
+  check_32_bits(file.target(), mesh.vertices(), "vertices");
   file.write(ply_field_header(out.field.n, out.surface.connection(), mesh.vertices(), mesh.faces()));
   write_table(file, mesh.vertices(), ply_vertex_bytes, [&](std::int64_t i, char* to) {
     return put_ply_vertex(out.surface.V(), out.field, *out.field.frames, branches, static_cast<Index>(i), to);
@@ -80,7 +82,7 @@ char* put_ply_vertex(const Positions<double>& V, const Field& field, const Frame
 
 char* put_ply_face(const Faces& F, Index t, char* to) {
   to = put_binary(to, std::uint8_t{3});
-  for (int c = 0; c < 3; ++c) to = put_binary(to, std::int32_t{F(t, c)});
+  for (int c = 0; c < 3; ++c) to = put_binary(to, static_cast<std::int32_t>(F(t, c)));
   return to;
 }
 

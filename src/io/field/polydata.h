@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "src/base/narrow.h"
 #include "src/io/field/rows.h"
 
 namespace alcap::detail {
@@ -47,6 +48,17 @@ DataArray array(std::string name, std::int64_t rows, Row row) {
     }
   };
   return {std::move(name), type_name<Number>(), components, rows, components * sizeof(Number), fill};
+}
+
+// Whole numbers up to `largest`, number(i) in row i: of 32 bits, or of 64 where they need them.
+template <class Whole>
+DataArray whole_numbers(std::string name, std::int64_t rows, std::int64_t largest, Whole number) {
+  if (largest > most_32)
+    return array<std::int64_t, 1>(std::move(name), rows,
+                                  [number](std::int64_t i, std::int64_t* x) { x[0] = number(i); });
+  return array<std::int32_t, 1>(std::move(name), rows, [number](std::int64_t i, std::int32_t* x) {
+    x[0] = static_cast<std::int32_t>(number(i));
+  });
 }
 
 // The colours that positive and negative indices have in every picture (Okabe and Ito 2008), light grey for 0: three

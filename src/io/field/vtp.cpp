@@ -28,13 +28,9 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
   const Section points{"Points", "", {vectors("Points", out.surface.V())}};
   const Section polys{"Polys",
                       "",
-                      {array<std::int32_t, 1>("connectivity", 3 * faces,
-                                              [&](std::int64_t h, std::int32_t* x) {
-                                                x[0] = out.surface.mesh().tail(static_cast<Index>(h));
-                                              }),
-                       array<std::int32_t, 1>("offsets", faces, [](std::int64_t t, std::int32_t* x) {
-                         x[0] = static_cast<std::int32_t>(3 * (t + 1));
-                       })}};
+                      {whole_numbers("connectivity", 3 * faces, vertices,
+                                     [&](std::int64_t h) { return out.surface.mesh().tail(static_cast<Index>(h)); }),
+                       whole_numbers("offsets", faces, 3 * faces, [](std::int64_t t) { return 3 * (t + 1); })}};
 
   Section at_points{"PointData", " Vectors=\"d_0\" Normals=\"normal\"", {}};
   for (int k = 0; k < field.n; ++k) {
@@ -71,10 +67,8 @@ void write_surface(AtomicFile& file, const FieldOutput& out, const std::vector<s
 void write_singularities(AtomicFile& file, const FieldOutput& out) {
   const auto at = [&](std::int64_t i) -> const Singularity& { return out.singularities[static_cast<std::size_t>(i)]; };
   const auto count = static_cast<std::int64_t>(out.singularities.size());
-  const auto counting = [&](std::string name, std::int32_t from) {
-    return array<std::int32_t, 1>(std::move(name), count, [from](std::int64_t i, std::int32_t* x) {
-      x[0] = from + static_cast<std::int32_t>(i);
-    });
+  const auto counting = [&](std::string name, std::int64_t from) {
+    return whole_numbers(std::move(name), count, count, [from](std::int64_t i) { return from + i; });
   };
 
   const Section points{"Points", "", {array<double, 3>("Points", count, [&](std::int64_t i, double* x) {
@@ -88,7 +82,7 @@ void write_singularities(AtomicFile& file, const FieldOutput& out) {
        array<std::uint8_t, 3>("index_rgb", count,
                               [&](std::int64_t i, std::uint8_t* x) { put_index_colour(at(i).index, x); }),
        array<double, 1>("orientation", count, [&](std::int64_t i, double* x) { x[0] = at(i).orientation; }),
-       array<std::int32_t, 1>("face", count, [&](std::int64_t i, std::int32_t* x) { x[0] = at(i).face; }),
+       whole_numbers("face", count, out.surface.mesh().faces(), [&](std::int64_t i) { return at(i).face; }),
        array<double, 3>("barycentric", count,
                         [&](std::int64_t i, double* x) { put_vector(x, at(i).barycentric.data()); }),
        array<std::uint8_t, 1>("located", count,

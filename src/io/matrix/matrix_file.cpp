@@ -14,6 +14,7 @@
 
 #include "src/base/atomic_file.h"
 #include "src/base/bytes.h"
+#include "src/base/narrow.h"
 #include "src/base/npy.h"
 #include "src/base/shortest.h"
 
@@ -47,6 +48,8 @@ void in_pieces(std::int64_t count, Take&& take, Add&& add) {
 
 // Row i of a Hermitian matrix is the conjugate of column i.
 void write_petsc(AtomicFile& file, const Matrix& A) {
+  detail::check_32_bits(file.target(), A.rows(), "rows");
+  detail::check_32_bits(file.target(), A.nonZeros(), "entries");
   constexpr std::int32_t matrix_id = 1211216;
   constexpr auto big = std::endian::big;
   const auto take = [&](std::string_view bytes) { file.write(bytes); };
@@ -54,8 +57,12 @@ void write_petsc(AtomicFile& file, const Matrix& A) {
                                static_cast<std::int32_t>(A.nonZeros())};
   in_pieces(4, take, [&](std::int64_t i, std::string& text) { append<big>(text, head[i]); });
   const Index* const start = A.outerIndexPtr();
-  in_pieces(A.cols(), take, [&](std::int64_t i, std::string& text) { append<big>(text, start[i + 1] - start[i]); });
-  in_pieces(A.nonZeros(), take, [&](std::int64_t k, std::string& text) { append<big>(text, A.innerIndexPtr()[k]); });
+  in_pieces(A.cols(), take, [&](std::int64_t i, std::string& text) {
+    append<big>(text, static_cast<std::int32_t>(start[i + 1] - start[i]));
+  });
+  in_pieces(A.nonZeros(), take, [&](std::int64_t k, std::string& text) {
+    append<big>(text, static_cast<std::int32_t>(A.innerIndexPtr()[k]));
+  });
   in_pieces(A.nonZeros(), take, [&](std::int64_t k, std::string& text) {
     append<big>(text, A.valuePtr()[k].real());
     append<big>(text, -A.valuePtr()[k].imag());
@@ -195,9 +202,12 @@ void write_npz(AtomicFile& file, const Matrix& A) {
   };
   const Index* const start = A.outerIndexPtr();
   const Index* const row = A.innerIndexPtr();
+  // Numbers of 32 bits are enough: with rows or entries beyond them the archive would be too large.
   const C* const value = A.valuePtr();
-  zip.add_array("indices", "<i4", shape(A.nonZeros()), numbers(A.nonZeros(), [=](std::int64_t k) { return row[k]; }));
-  zip.add_array("indptr", "<i4", shape(A.cols() + 1), numbers(A.cols() + 1, [=](std::int64_t k) { return start[k]; }));
+  zip.add_array("indices", "<i4", shape(A.nonZeros()),
+                numbers(A.nonZeros(), [=](std::int64_t k) { return static_cast<std::int32_t>(row[k]); }));
+  zip.add_array("indptr", "<i4", shape(A.cols() + 1),
+                numbers(A.cols() + 1, [=](std::int64_t k) { return static_cast<std::int32_t>(start[k]); }));
   zip.add_array("format", "|S3", "()", [](auto&& take) { take(std::string_view("csc")); });
   zip.add_array("shape", "<i8", "(2,)", numbers(2, [n = std::int64_t{A.rows()}](std::int64_t) { return n; }));
   zip.add_array("data", "<c16", shape(A.nonZeros()), numbers(2 * A.nonZeros(), [=](std::int64_t k) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/array.h"
+#include "src/base/limits.h"
 #include "src/base/numbers.h"
 #include "src/io/mesh/tokenizer.h"
 #include "src/io/mesh/triangulate.h"
@@ -14,8 +15,9 @@
 namespace alcap::detail {
 namespace {
 
-constexpr std::int64_t most = std::numeric_limits<Index>::max();
 constexpr std::int64_t first_rows = 1024;  // doubled whenever they run out
+
+std::string too_many(const char* what) { return "more than " + std::to_string(most_numbered) + " " + what; }
 
 std::string numbered(const char* what, std::int64_t number) {
   return std::string(what) + " " + std::to_string(number) + " (counted from 0)";
@@ -31,12 +33,12 @@ void Builder::told(const char* where) const {
 }
 
 void Builder::grow_vertices() {
-  if (vertices_ >= most) fail(source_, "more than 2147483647 vertices");
+  if (vertices_ >= most_numbered) fail(source_, too_many("vertices"));
   V_.conservativeResize(std::max(first_rows, 2 * vertices_), 3);
 }
 
 void Builder::grow_faces() {
-  if (faces_ >= most) fail(source_, "more than 2147483647 faces");
+  if (faces_ >= most_numbered) fail(source_, too_many("faces"));
   F_.conservativeResize(std::max(first_rows, 2 * faces_), 3);
 }
 
@@ -69,7 +71,7 @@ void Builder::polygon(std::span<const std::int64_t> corners, const char* where) 
                 " corners and polygons are refused; triangulate the mesh, or let the reader do it");
   }
   tick(faces_, where);
-  if (faces_ >= most) fail(source_, "more than 2147483647 faces");
+  if (faces_ >= most_numbered) fail(source_, too_many("faces"));
   if (!polygonal()) {  // the first polygon: triangles so far become polygons of three corners
     corners_.assign(F_.data(), F_.data() + 3 * faces_);
     for (std::int64_t f = 0; f < faces_; ++f) starts_.push_back(at(3 * f));
@@ -84,7 +86,7 @@ void Builder::polygon(std::span<const std::int64_t> corners, const char* where) 
 
 void Builder::triangulate_all(MeshFile& mesh) const {
   const std::size_t triangles = corners_.size() - 2 * (starts_.size() - at(short_faces_));
-  if (triangles > at(most)) fail(source_, "more than 2147483647 triangles");
+  if (triangles > at(most_numbered)) fail(source_, too_many("triangles"));
   mesh.F.resize(static_cast<Eigen::Index>(triangles), 3);
   mesh.polygon_of.resize(triangles);
   std::vector<Index> local;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "src/base/bytes.h"
+#include "src/base/narrow.h"
 #include "src/base/numbers.h"
 #include "src/io/mesh/builder.h"
 #include "src/io/mesh/format.h"
@@ -201,6 +202,7 @@ void write_value(AtomicFile& file, T value) {
 }
 
 void write_ply(AtomicFile& file, const Positions<double>& V, const Faces& F) {
+  check_32_bits(file.target(), V.rows(), "vertices");
   file.write("ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(V.rows()) +
              "\nproperty double x\nproperty double y\nproperty double z\nelement face " + std::to_string(F.rows()) +
              "\nproperty list uchar int vertex_indices\nend_header\n");
@@ -209,7 +211,7 @@ void write_ply(AtomicFile& file, const Positions<double>& V, const Faces& F) {
   }
   for (Eigen::Index t = 0; t < F.rows(); ++t) {
     write_value(file, std::uint8_t{3});
-    for (int c = 0; c < 3; ++c) write_value(file, F(t, c));
+    for (int c = 0; c < 3; ++c) write_value(file, static_cast<std::int32_t>(F(t, c)));
   }
 }
 

@@ -3,9 +3,9 @@
 // source.cpp: error messages of the readers.
 #include "src/io/mesh/source.h"
 
-#include <limits>
+#include <string>
 
-#include "alcap/conventions.h"
+#include "src/base/limits.h"
 
 namespace alcap::detail {
 namespace {
@@ -63,8 +63,9 @@ void check_count(const Source& source, const char* where, std::int64_t count, st
   const std::int64_t left = source.end() - where;
   const std::int64_t fit = (left + 1) / least;  // + 1: the last line may lack its newline
   if (count < 0) fail(source, "the header says " + std::to_string(count) + " " + what);
-  if (count > std::numeric_limits<Index>::max()) {
-    fail(source, std::to_string(count) + " " + what + " are more than the 2147483647 that 32-bit indices can number");
+  if (count > most_numbered) {
+    fail(source, std::to_string(count) + " " + what + " are more than the " + std::to_string(most_numbered) + " that " +
+                     std::to_string(index_digits + 1) + "-bit indices can number");
   }
   if (count > fit) {
     fail(source, "the header says " + std::to_string(count) + " " + what + ", but the " + std::to_string(left) +
