@@ -5,19 +5,20 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(alcap_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/alcap)
+set(alcap_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/${alcap_name})
 target_include_directories(alcap PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
 install(TARGETS alcap EXPORT alcapTargets)
 install(DIRECTORY include/alcap DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
   FILES_MATCHING PATTERN "*.h")
 install(EXPORT alcapTargets NAMESPACE alcap:: DESTINATION ${alcap_package_dir})
-configure_package_config_file(cmake/alcapConfig.cmake.in ${PROJECT_BINARY_DIR}/alcapConfig.cmake
+configure_package_config_file(cmake/alcapConfig.cmake.in ${PROJECT_BINARY_DIR}/${alcap_name}Config.cmake
   INSTALL_DESTINATION ${alcap_package_dir}
   NO_SET_AND_CHECK_MACRO)
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/alcapConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/${alcap_name}ConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
 install(FILES
-    ${PROJECT_BINARY_DIR}/alcapConfig.cmake
-    ${PROJECT_BINARY_DIR}/alcapConfigVersion.cmake
+    ${PROJECT_BINARY_DIR}/${alcap_name}Config.cmake
+    ${PROJECT_BINARY_DIR}/${alcap_name}ConfigVersion.cmake
     cmake/FindCHOLMOD.cmake
   DESTINATION ${alcap_package_dir})
 
@@ -31,6 +32,10 @@ if(alcap_type STREQUAL "STATIC_LIBRARY")
     set(alcap_pc_libs -lcholmod)
   endif()
 endif()
+set(alcap_pc_cflags)
+if(ALCAP_INDEX_64)
+  set(alcap_pc_cflags " -DALCAP_INDEX_64")
+endif()
 file(RELATIVE_PATH alcap_pc_prefix /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
-configure_file(cmake/alcap.pc.in ${PROJECT_BINARY_DIR}/alcap.pc @ONLY)
-install(FILES ${PROJECT_BINARY_DIR}/alcap.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+configure_file(cmake/alcap.pc.in ${PROJECT_BINARY_DIR}/${alcap_name}.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/${alcap_name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

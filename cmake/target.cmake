@@ -63,6 +63,9 @@ target_link_libraries(alcap
   PRIVATE TBB::tbb $<BUILD_INTERFACE:alcap_dep_SPECTRA> $<BUILD_INTERFACE:alcap_dep_FAST_FLOAT>
   $<BUILD_INTERFACE:alcap_dep_JSON>)
 target_compile_definitions(alcap PRIVATE ALCAP_VERSION="${PROJECT_VERSION}")
+if(ALCAP_INDEX_64)
+  target_compile_definitions(alcap PUBLIC ALCAP_INDEX_64)  # the type is part of the interface
+endif()
 if(ALCAP_WITH_CHOLMOD)
   target_link_libraries(alcap PRIVATE CHOLMOD::CHOLMOD)
   target_compile_definitions(alcap PRIVATE ALCAP_WITH_CHOLMOD)
@@ -74,6 +77,7 @@ endif()
 
 # A static alcap inside somebody's shared library exports nothing from there. A shared alcap exports its functions.
 set_target_properties(alcap PROPERTIES
+  OUTPUT_NAME ${alcap_name}
   VERSION ${PROJECT_VERSION}
   SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
   VISIBILITY_INLINES_HIDDEN ON
