@@ -4,5 +4,5 @@
 if(TARGET alcap_cli)
   add_test(NAME browser COMMAND ${CMAKE_CURRENT_LIST_DIR}/run.sh $<TARGET_FILE:alcap_cli>
     ${CMAKE_CURRENT_BINARY_DIR}/browser)
-  set_tests_properties(browser PROPERTIES SKIP_RETURN_CODE 77 LABELS browser TIMEOUT 1800 RUN_SERIAL ON)
+  set_tests_properties(browser PROPERTIES SKIP_RETURN_CODE 77 LABELS browser TIMEOUT 3600 RUN_SERIAL ON)
 endif()

@@ -56,7 +56,7 @@ test('a press in the list of controls is of the control that it began on', () =>
   await page.waitForFunction(() => alcap.stroked === 0);
   assert.match(await page.textContent('.controls li.chosen'), /^Stroke b/);
   // One that is removed is the one that was pressed.
-  await hand.editing(() => pressed(row(page, 'Stroke c').locator('.close'), () => elsewhere({ ...base, strokes: [strokes[0], { ...strokes[1], weight: 2 }, { ...strokes[2], weight: 3 }] })));
+  await hand.editing(() => pressed(row(page, 'Stroke c').locator('.close'), () => elsewhere({ ...base, strokes: [strokes[0], strokes[1], { ...strokes[2], weight: 3 }] })));
   assert.deepEqual(hand.design().strokes.map((s) => s.name), ['stroke a', 'stroke b']);
 }));
 
@@ -89,6 +89,39 @@ test('a press on a tool, a colour or a symmetry outlives an edit that offers oth
   await pressed(chip, () => elsewhere({ ...base, n: 4 }));
   assert.equal(await page.evaluate(() => alcap.view.state.color), 'dbar');
   assert.equal(await chip.getAttribute('aria-checked'), 'true');
+}));
+
+test('a ring that is dragged, and what is chosen, stay the same control when others before it go', () => on({ ...base, singularities: [{ face: 3, kind: 'saddle' }] }, async (page, hand, { elsewhere }) => {
+  await hand.drop('source', 20, 30);
+  const [first, second] = hand.design().singularities, box = await page.locator('.ring.chosen').boundingBox();
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x + 10, y);
+  await hand.settled();
+  const dragged = hand.design().singularities[1];
+  assert.equal(dragged.kind, 'source');
+  await elsewhere({ ...hand.design(), singularities: [dragged] });
+  assert.equal(await page.evaluate(() => alcap.selected), 0);
+  await hand.editing(async () => {
+    await page.mouse.move(x + 60, y - 40);
+    await page.mouse.up();
+  });
+  const [moved, ...more] = hand.design().singularities;
+  assert.deepEqual([moved.kind, more.length], ['source', 0]);
+  assert.notEqual(moved.face, dragged.face);
+  const spot = await page.evaluate((s) => alcap.handles.project(alcap.handles.center(s)), moved);
+  assert.ok(Math.hypot(spot[0] - x - 60, spot[1] - y + 40) < 15, `${spot}`);
+  // The Delete key takes what was chosen.
+  await elsewhere({ ...hand.design(), singularities: [first, moved] });
+  assert.equal(await page.evaluate(() => alcap.selected), 1);
+  await page.focus('#canvas');
+  await hand.editing(() => page.keyboard.press('Delete'));
+  assert.deepEqual(hand.design().singularities.map((s) => s.kind), ['saddle']);
+  // One that is gone is no longer chosen.
+  await page.click('.controls .name');
+  await elsewhere({ ...base, singularities: [second, moved] });
+  assert.equal(await page.evaluate(() => alcap.selected), -1);
 }));
 
 test('a card holds the singularity that it told of, whatever its number is by now', () => on(base, async (page, hand, { elsewhere, pressed }) => {

@@ -3,7 +3,7 @@
 // controls_list.js: everything that a design asks for, each with what became of it; the chosen one with its numbers. A
 // control keeps its row while it is there, so that no edit takes a button or a slider from under the hand.
 import { remarksOf } from './design_panel.js';
-import { arrange, h, plain, section, short, toggle } from './dom.js';
+import { arrange, h, matched, plain, section, short, toggle } from './dom.js';
 import { isNegative, mostZeros, titleOf } from './indices.js';
 import { slider } from './slider.js';
 import { angleIn, direction } from './tangent.js';
@@ -56,22 +56,6 @@ function rowsOf(name, kind) {
     rows.forEach((row, k) => row.refresh(controls[k], k, k === chosen, design, report.get(`/${name}/${k}`)));
     return rows.map((row) => row.element);
   } };
-}
-
-/** The row of each control: the one that it had, wherever in the list; one that was edited has that of its place. */
-export function matched(rows, controls, make) {
-  const texts = controls.map((c) => JSON.stringify(c)), left = new Map();
-  rows.forEach((row, k) => {
-    if (row.text === texts[k]) return;
-    if (!left.has(row.text)) left.set(row.text, []);
-    left.get(row.text).push(row);
-  });
-  const found = texts.map((text, k) => (rows[k]?.text === text ? rows[k] : left.get(text)?.shift())), taken = new Set(found);
-  return found.map((row, k) => {
-    const own = row || (rows[k] && !taken.has(rows[k]) ? rows[k] : make());
-    own.text = texts[k];
-    return own;
-  });
 }
 
 function controlRow(kind) {

@@ -96,6 +96,18 @@ export function arrange(element, ...children) {
   next.forEach((child, k) => { if (element.childNodes[k] !== child) element.insertBefore(child, element.childNodes[k] || null); });
 }
 
+/** What stands for each control of a list (an object, whose `text` is for this alone): what stood for the same one before, wherever in the list; for one that was edited, what stood in its place; or a new one. */
+export function matched(items, controls, make) {
+  const texts = controls.map((c) => JSON.stringify(c)), left = new Map();
+  items.forEach((item, k) => {
+    if (item.text === texts[k]) return;
+    if (!left.has(item.text)) left.set(item.text, []);
+    left.get(item.text).push(item);
+  });
+  const found = texts.map((text, k) => (items[k]?.text === text ? items[k] : left.get(text)?.shift())), taken = new Set(found);
+  return found.map((item, k) => Object.assign(item || (items[k] && !taken.has(items[k]) ? items[k] : make()), { text: texts[k] }));
+}
+
 /** A part of a panel with a heading. */
 export function section(title, ...children) {
   return h('section', {}, title ? h('h2', {}, title) : null, ...children);

@@ -5,7 +5,7 @@
 // mouse or by the arrow keys. A ring that is put onto another one says what the two become, and merges when it is let go.
 import { Raycaster, Vector2, Vector3 } from 'three';
 
-import { h } from './dom.js';
+import { h, matched } from './dom.js';
 import { isNegative } from './indices.js';
 import { angleOfRay, direction, dot, frame, pointIn, subtract } from './tangent.js';
 
@@ -30,16 +30,11 @@ export class Handles {
     this.singularities = singularities;
     if (this.meeting && Math.max(this.meeting.k, this.meeting.j) >= singularities.length) this.meet(null);
     this.selected = selected;
-    while (this.items.length > singularities.length) this.items.pop().ring.remove();
-    while (this.items.length < singularities.length) {
-      const k = this.items.length;
-      const ring = h('button', { type: 'button', class: 'ring', onclick: () => this.actions.select(k) });
-      this.makeMovable(ring, k);
-      this.layer.insertBefore(ring, this.line ?? null);  // from the rings the next one by Tab is the knob
-      this.items.push({ ring });
-    }
+    const before = this.items;
+    this.items = matched(before, singularities, () => this.makeItem());
+    for (const item of before) if (!this.items.includes(item)) item.ring.remove();
     singularities.forEach((s, k) => {
-      const { ring } = this.items[k];
+      const { ring } = Object.assign(this.items[k], { k });
       const met = this.meeting?.j === k ? ` meeting${this.meeting.refused ? ' refused' : ''}` : '';
       ring.className = `ring ${s.kind === 'direction' ? 'square' : isNegative(s.kind) ? 'negative' : 'positive'}${k === selected ? ' chosen' : ''}${met}`;
       ring.setAttribute('aria-label', s.kind === 'direction' ? `direction at vertex ${s.vertex}` : `${s.kind} in face ${s.face}`);
@@ -49,14 +44,23 @@ export class Handles {
     this.place();
   }
 
+  /** A ring, with the number k of what it stands for, which is another one after edits. */
+  makeItem() {
+    const item = { k: -1, ring: h('button', { type: 'button', class: 'ring', onclick: () => this.actions.select(item.k) }) };
+    this.makeMovable(item);
+    this.layer.insertBefore(item.ring, this.line ?? null);  // from the rings the next one by Tab is the knob
+    return item;
+  }
+
   /** Dragging, or the arrow keys, move the singularity to what is under the pointer; on another one it waits to be merged. */
-  makeMovable(ring, k) {
+  makeMovable(item) {
+    const { ring } = item;
     const move = (place, gesture) => {
-      this.meet(this.metBy(k, place));
+      this.meet(this.metBy(item.k, place));
       const hit = this.meeting ? null : this.view.pick(place);
-      if (hit) this.actions.move(k, hit, gesture);
+      if (hit) this.actions.move(item.k, hit, gesture);
     };
-    ring.addEventListener('keydown', (event) => this.pressed(event, k, move));
+    ring.addEventListener('keydown', (event) => this.pressed(event, item.k, move));
     ring.addEventListener('blur', () => this.meet(null));
     ring.addEventListener('pointerdown', (down) => {
       if (!down.isPrimary || down.button !== 0) return;

@@ -469,8 +469,19 @@ class Studio {
     }
   }
 
+  /** What is chosen is the same control in a design that others have changed, or nothing where they have removed it. */
+  refind(design) {
+    for (const [which, name] of [['selected', 'singularities'], ['stroked', 'strokes'], ['held', 'fixed']]) {
+      const k = this[which], old = this.shown?.[name] || [], list = design[name] || [], text = JSON.stringify(old[k]);
+      if (k < 0 || JSON.stringify(list[k]) === text) continue;
+      const there = list.findIndex((c) => JSON.stringify(c) === text);
+      if (there >= 0 || list.length !== old.length) this[which] = there;
+    }
+  }
+
   /** What can be seen of a design before its field is there. */
   show(design) {
+    this.shown = design;
     if (this.selected >= (design.singularities || []).length) this.selected = -1;
     if (this.stroked >= (design.strokes || []).length) this.stroked = -1;
     if (this.held >= (design.fixed || []).length) this.held = -1;
@@ -517,6 +528,7 @@ class Studio {
       this.time(pack);
     }
     this.offerTools(this.design.n);
+    this.refind(this.design);
     this.show(this.design);
     this.counts.refresh();
     if (this.colored !== this.view.meta.n) {
