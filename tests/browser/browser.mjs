@@ -9,7 +9,7 @@ import { join } from 'node:path';
 
 import { chromium } from 'playwright-core';
 
-export const patience = 60000;  // ms; software rendering on a busy machine
+export const patience = 120000;  // ms; software rendering on a busy machine
 
 export function folder() {
   return mkdtempSync(join(tmpdir(), 'alcap-browser-'));

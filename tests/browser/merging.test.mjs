@@ -103,6 +103,37 @@ test('one dropped onto another adds its index, in the place of that; the ring sa
   assert.deepEqual(list(), before);
 }));
 
+test('two that lie close to each other are not merged by a press on one, nor by moving it away', () => on(4, async (page, hand, { list, ringAt, said }) => {
+  await hand.drop('saddle', 0, 0);
+  const [a] = list(), [x, y] = await ringAt(0);
+  // Another one in a face some pixels away.
+  const face = await page.evaluate(([x, y]) => alcap.view.pick({ clientX: x + 9, clientY: y }).face, [x, y]);
+  assert.notEqual(face, a.face);
+  await hand.editing(() => page.evaluate((face) => alcap.change((d) => { d.singularities.push({ face, kind: 'saddle' }); }), face));
+  const [near, other] = [await ringAt(1), await ringAt(0)];  // the later one is on top
+  assert.ok(Math.hypot(near[0] - other[0], near[1] - other[1]) < 14);
+  const away = near[0] < other[0] ? -1 : 1;
+  await hand.editing(async () => {
+    await page.mouse.move(...near);
+    await page.mouse.down();
+    await page.mouse.move(near[0] + 6 * away, near[1]);
+    await page.mouse.up();
+  });
+  assert.equal(list().length, 2);
+  await page.locator('.ring').last().focus();
+  await hand.editing(() => page.keyboard.press(away < 0 ? 'ArrowLeft' : 'ArrowRight'));
+  assert.equal(await said(), '');
+  assert.equal(list().length, 2);
+  // From farther away it is.
+  await hand.editing(() => page.keyboard.press(away < 0 ? 'ArrowLeft' : 'ArrowRight'));
+  await page.keyboard.press(away < 0 ? 'ArrowRight' : 'ArrowLeft');
+  for (let k = 0; k < 3 && !(await said()); ++k) {
+    await hand.settled();
+    await page.keyboard.press(away < 0 ? 'ArrowRight' : 'ArrowLeft');
+  }
+  assert.equal(await said(), 'Becomes saddle × 2, index −2/4');
+}));
+
 test('opposite ones that meet both go, and the field is the smoothest again', () => on(4, async (page, hand, { list, onto, said }) => {
   const smoothest = (await hand.state()).arrays.branch;
   await hand.drop('source', -50, 0);

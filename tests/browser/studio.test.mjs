@@ -616,21 +616,22 @@ test('what is edited after a refusal starts from the design that was taken', asy
 
 test('a page that has not seen an edit does not take it back', async () => {
   const tab = await (await browser.newContext({ viewport: { width: 700, height: 500 } })).newPage();
+  tab.setDefaultTimeout(patience);
   await tab.route('**/api/wait*', () => {});  // it is told nothing
   await tab.goto(server.url);
-  await tab.waitForSelector('html[data-ready]', { timeout: patience });
+  await tab.waitForSelector('html[data-ready]');
   for (const comment of ['first', 'second']) {
     assert.equal((await request(server.url, '/api/edit', {}, { method: 'POST', body: JSON.stringify({ ...JSON.parse(empty), comment }) })).status, 200);
   }
   const { meta } = await state();
   await tab.evaluate(() => alcap.store.step('undo'));
-  await tab.waitForFunction(() => /Another tab/.test(document.querySelector('.chip').textContent), null, { timeout: patience });
+  await tab.waitForFunction(() => /Another tab/.test(document.querySelector('.chip').textContent));
   assert.equal(design().comment, 'second');
   assert.equal((await state()).meta.revision, meta.revision);
-  await tab.waitForFunction(() => alcap.design.comment === 'second' && !alcap.store.busy, null, { timeout: patience });
+  await tab.waitForFunction(() => alcap.design.comment === 'second' && !alcap.store.busy);
   // Now it has.
   await tab.evaluate(() => alcap.store.step('undo'));
-  await tab.waitForFunction(() => alcap.design.comment === 'first', null, { timeout: patience });
+  await tab.waitForFunction(() => alcap.design.comment === 'first');
   assert.equal(design().comment, 'first');
   await tab.context().close();
   await settled();

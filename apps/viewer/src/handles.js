@@ -55,10 +55,13 @@ export class Handles {
   /** Dragging, or the arrow keys, move the singularity to what is under the pointer; on another one it waits to be merged. */
   makeMovable(item) {
     const { ring } = item;
-    const move = (place, gesture) => {
-      this.meet(this.metBy(item.k, place));
+    /** beside: of a ring that it was on before. Whether it still is. */
+    const move = (place, gesture, beside = -1) => {
+      const met = this.metBy(item.k, place), left = met?.j !== beside;
+      this.meet(left ? met : null);
       const hit = this.meeting ? null : this.view.pick(place);
       if (hit) this.actions.move(item.k, hit, gesture);
+      return !left;
     };
     ring.addEventListener('keydown', (event) => this.pressed(event, item.k, move));
     ring.addEventListener('blur', () => this.meet(null));
@@ -66,10 +69,10 @@ export class Handles {
       if (!down.isPrimary || down.button !== 0) return;
       ring.setPointerCapture(down.pointerId);
       const gesture = `move-${Date.now()}`;
-      let moved = false;
+      let moved = false, beside = this.metBy(item.k, down)?.j ?? -1;  // to be merged it has to leave that first
       const drag = (event) => {
         moved ||= Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > 4;
-        if (moved) move(event, gesture);
+        if (moved && !move(event, gesture, beside)) beside = -1;
       };
       const up = (event) => {
         ring.removeEventListener('pointermove', drag);
@@ -100,11 +103,13 @@ export class Handles {
     }
     const box = this.view.stage.canvas.getBoundingClientRect();
     const s = this.singularities[k], [x, y] = this.project(this.center(s));
-    // Directions sit at vertices: as far as it is to another one.
+    // Away from a ring that it is on already it just moves. Directions sit at vertices: as far as it is to another one.
+    const now = this.metBy(k, { clientX: box.left + x, clientY: box.top + y });
     for (let far = 1; far <= (s.kind === 'direction' ? 12 : 1); ++far) {
       const place = { clientX: box.left + x + far * stride * step[0], clientY: box.top + y + far * stride * step[1] };
       if (s.kind === 'direction' && this.vertexUnder(place) === s.vertex) continue;
-      return move(place, 'move-keys');
+      const next = this.metBy(k, place);
+      return move(place, 'move-keys', next && now?.j === next.j && next.distance > now.distance ? next.j : -1);
     }
   }
 
@@ -118,7 +123,7 @@ export class Handles {
       if (distance < best) [best, found] = [distance, j];
     });
     const said = found < 0 ? null : this.actions.meets(k, found);
-    return said && { k, j: found, ...said };
+    return said && { k, j: found, distance: best, ...said };
   }
 
   /** Says what two rings become; nothing any more for null. */
