@@ -35,7 +35,7 @@ async function on(n, act, design = {}) {
       async zerosNear(control) {
         const { singular } = (await hand.state()).arrays, at = spot(control), sign = ['saddle', 'trisector'].includes(control.kind) ? -1 : 1;
         let number = 0;
-        for (let k = 0; k < singular.length; k += 8) if (Math.hypot(...at.map((x, c) => x - singular[k + c])) < 0.3 * Math.sqrt((control.count || 1) - 0.8)) number += Math.max(0, sign * singular[k + 6]);
+        for (let k = 0; k < singular.length; k += 8) if (Math.hypot(...at.map((x, c) => x - singular[k + c])) < (control.count > 1 ? 0.3 : 0.13)) number += Math.max(0, sign * singular[k + 6]);
         return number;
       },
       /** The middle of a ring on the page. */

@@ -83,7 +83,7 @@ class Studio {
     };
     this.view.wanted = () => this.store.details();
     this.store = new Store({
-      state: (pack) => this.onState(pack), follow: (pack) => this.onField(pack), parts: () => this.parts(),
+      state: (pack, mine) => this.onState(pack, mine), follow: (pack) => this.onField(pack), parts: () => this.parts(),
       details: (pack, part) => this.onDetails(pack, part), complete: (result) => this.onComplete(result), status: (kind, text) => this.onStatus(kind, text),
     });
     this.status = h('span', { class: 'chip', role: 'status' }, 'Starting…');
@@ -469,13 +469,13 @@ class Studio {
     }
   }
 
-  /** What is chosen is the same control in a design that others have changed, or nothing where they have removed it. */
-  refind(design) {
+  /** What is chosen stays the same control; where it is gone, what an undo brings back in its place, but nothing where others did it. */
+  refind(design, mine) {
     for (const [which, name] of [['selected', 'singularities'], ['stroked', 'strokes'], ['held', 'fixed']]) {
       const k = this[which], old = this.shown?.[name] || [], list = design[name] || [], text = JSON.stringify(old[k]);
       if (k < 0 || JSON.stringify(list[k]) === text) continue;
       const there = list.findIndex((c) => JSON.stringify(c) === text);
-      if (there >= 0 || list.length !== old.length) this[which] = there;
+      if (there >= 0 || (!mine && list.length !== old.length)) this[which] = there;
     }
   }
 
@@ -518,7 +518,7 @@ class Studio {
     this.stage.drawn().then((now) => { times.shown = now - since - 1000 * meta.seconds; });
   }
 
-  onState(pack) {
+  onState(pack, mine) {
     this.controls = pack.meta.controls;
     const changed = 'branch' in pack.arrays;
     this.view.update(pack);
@@ -528,7 +528,7 @@ class Studio {
       this.time(pack);
     }
     this.offerTools(this.design.n);
-    this.refind(this.design);
+    this.refind(this.design, mine);
     this.show(this.design);
     this.counts.refresh();
     if (this.colored !== this.view.meta.n) {
