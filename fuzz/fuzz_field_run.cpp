@@ -51,7 +51,7 @@ void add_more(fuzz::Bytes& in, const MeshData& m, FieldRunOptions& options) {
     options.connection.kind = ConnectionKind::metric;
     options.connection.balance_cones = false;
     // Cones that sum to what the surface demands, except on surfaces of several pieces.
-    double rest = Surface(m.V, m.F).topology().euler();
+    double rest = static_cast<double>(Surface(m.V, m.F).topology().euler());
     for (int k = in.below(4); k >= 0; --k) {
       const double index = k == 0 ? rest : 2 * in.real();
       options.connection.cones.push_back({in.below(static_cast<int>(m.V.rows()) + 1), index});

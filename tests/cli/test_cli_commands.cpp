@@ -194,8 +194,8 @@ TEST_CASE("plan says what fits, what does not, and what cannot be numbered, by i
   CHECK(large.exit == 7);
   CHECK(large.error_says("triangles fit"));
   const CliResult beyond = folder.run("plan 1000000000 --speed 1 --memory 100000");
-  CHECK(beyond.exit == 4);
-  CHECK(beyond.error_says("1000000000 faces are more than the 715827882"));
+  CHECK(beyond.exit == (sizeof(Index) == 4 ? 4 : 0));
+  CHECK(beyond.error_says("1000000000 faces are more than the 715827882") == (sizeof(Index) == 4));
   CHECK(folder.run("plan 1000 --formats gif").exit == 2);
   CHECK(folder.run("plan none.obj").exit == 3);
   const CliResult measured = folder.run("plan 1000 --json");
