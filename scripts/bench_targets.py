@@ -16,8 +16,11 @@ DESIGN = {
     1310720: [("design_target", "turn a target", 0.025), ("design_turn_pinned", "turn a pinned target", 0.025),
               ("design_move", "move a target to the next face", 0.3)],
 }
-# Meshes of 2K to 10K triangles a second on two cores, n = 4, in memory.
-BATCH = 150
+# Meshes a second on two cores, n = 4: the phase, their triangles, what it is, the target (None: a figure of its own).
+BATCHES = [("batch", "2K to 10K", "in memory", 150), ("batch_files", "2K to 10K", "from PLY to PLY", None),
+           ("batch_1k", "1K", "in memory", 1000)]
+# Bytes a second from a file in memory to a mesh.
+READ = {"ply": 1e9, "obj": 500e6}
 # Assembly of S and M against a parallel copy of their values, and on two threads against one.
 ASSEMBLY_COPIES, ASSEMBLY_SPEEDUP = 2.5, 1.7
 # A linear solve to 1e-8 is counted as the setup and this many cycles.
@@ -56,7 +59,8 @@ def runs(*of):
 
 
 def row(size, what, target, measured, ratio, repetitions, residual=""):
-    return f"| {size} | {what} | {target} | {measured} | {ratio:.2f} | {repetitions} | {residual} |"
+    ratio = "" if ratio is None else f"{ratio:.2f}"
+    return f"| {size} | {what} | {target} | {measured} | {ratio} | {repetitions} | {residual} |"
 
 
 def on_mesh(result):
@@ -91,10 +95,19 @@ def size_rows(results, threads):
 
 
 def batch_rows(results, threads):
-    for batch in find(results, phase="batch", threads=threads)[:1]:
-        bad = f", {batch['bad']:.0f} not solved" if batch.get("bad") else ""
-        yield row("2K to 10K", f"batch, n = 4 ({batch['faces']:,.0f} triangles on average{bad})", f"{BATCH} meshes/s",
-                  f"{batch['meshes/s']:.0f} meshes/s", batch["meshes/s"] / BATCH, runs(batch))
+    for phase, faces, what, target in BATCHES:
+        for batch in find(results, phase=phase, threads=threads)[:1]:
+            bad = f", {batch['bad']:.0f} not solved" if batch.get("bad") else ""
+            yield row(faces, f"batch {what}, n = 4 ({batch['faces']:,.0f} triangles on average{bad})",
+                      f"{target} meshes/s" if target else "", f"{batch['meshes/s']:.0f} meshes/s",
+                      batch["meshes/s"] / target if target else None, runs(batch))
+
+
+def read_rows(results, threads):
+    for extension, target in READ.items():
+        for read in find(results, phase="read", backend=extension, threads=threads, size=GROWTH_FROM)[:1]:
+            yield row(f"{read['size']:,}", f"reading {extension.upper()}", f"{target / 1e6:.0f} MB/s",
+                      f"{read['GB/s'] * 1000:.0f} MB/s", read["GB/s"] * 1e9 / target, runs(read))
 
 
 def design_rows(results, threads):
@@ -180,7 +193,7 @@ def targets_table(report):
              "target / measured above 1 is better than asked.", "",
              "| triangles | what | target | measured (CPU) | target / measured | runs | residual |",
              "| ---: | --- | ---: | ---: | ---: | ---: | ---: |",
-             *size_rows(results, threads), *batch_rows(results, threads),
+             *size_rows(results, threads), *batch_rows(results, threads), *read_rows(results, threads),
              *design_rows(results, threads), *ratio_rows(results, threads),
              *growth_rows(results, threads)]
     return "\n".join(lines) + "\n"
