@@ -8,13 +8,14 @@
 // negative, which is another direction, is set to it, and the rest solved again: at most `most_rounds` times; a feature
 // that then still turns over is judged as what it is, not met. Edits that leave T' A T as it was, such as turning a
 // singularity, use its factorisation again.
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <variant>
 
 #include "alcap/assembly.h"
+#include "solvers/dense/hermitian.h"
 #include "src/design/variational/state.h"
 
 namespace alcap {
@@ -129,6 +130,17 @@ const LinearSolver<double>& factor_of(detail::HeldFactor& kept, const SparseMatr
   return *kept.solver;
 }
 
+/// The shortest x with A x = b, as far as there is one; A is symmetric and positive semidefinite.
+VectorX<double> least_solution(const MatrixX<double>& A, const VectorX<double>& b) {
+  const detail::Eigenpairs<double> pairs = detail::hermitian_eigenpairs<double>(A);
+  const double rounding =
+      static_cast<double>(A.rows()) * std::numeric_limits<double>::epsilon() * pairs.values.cwiseAbs().maxCoeff();
+  VectorX<double> x = VectorX<double>::Zero(A.rows());
+  for (Eigen::Index k = 0; k < A.rows(); ++k)
+    if (pairs.values[k] > rounding) x += pairs.vectors.col(k).dot(b) / pairs.values[k] * pairs.vectors.col(k);
+  return x;
+}
+
 /// min 1/2 u' A u - b' u with what is known, and with these rows at 0.
 void solve_known(const SparseMatrix<double>& A, const VectorX<double>& b, const HeldVertices& held,
                  const std::vector<ControlRow>& rows, const std::string& solver_name, detail::HeldFactor& kept,
@@ -150,8 +162,7 @@ void solve_known(const SparseMatrix<double>& A, const VectorX<double>& b, const 
     (void)solver.solve(Rt, Y);
     result.solves += static_cast<int>(Rt.cols());
     // Rows whose vertices are all known say nothing, or cannot be met.
-    const VectorX<double> mu = MatrixX<double>(R * Y).completeOrthogonalDecomposition().solve(
-        VectorX<double>(R * y.col(0) + all * unknowns.offset));
+    const VectorX<double> mu = least_solution(R * Y, R * y.col(0) + all * unknowns.offset);
     y.col(0) -= Y * mu;
     pull = Rt * mu;
   }
