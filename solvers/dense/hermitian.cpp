@@ -41,6 +41,23 @@ template std::optional<Eigenpairs<double>> generalised_eigenpairs<double>(const 
 template std::optional<Eigenpairs<Complex>> generalised_eigenpairs<Complex>(const MatrixX<Complex>&,
                                                                             const MatrixX<Complex>&);
 
+VectorX<double> symmetric_solve(const MatrixX<double>& A, const VectorX<double>& b) {
+  return Eigen::LDLT<MatrixX<double>>(A).solve(b);
+}
+
+std::optional<MatrixX<double>> cholesky_factor(const MatrixX<double>& A) {
+  const Eigen::LLT<MatrixX<double>> llt(A);
+  if (llt.info() != Eigen::Success) return std::nullopt;
+  return MatrixX<double>(llt.matrixLLT());
+}
+
+VectorX<double> cholesky_solve(const MatrixX<double>& L, const VectorX<double>& b) {
+  VectorX<double> x = b;
+  L.triangularView<Eigen::Lower>().solveInPlace(x);
+  L.triangularView<Eigen::Lower>().adjoint().solveInPlace(x);
+  return x;
+}
+
 std::optional<Dense> hermitian_inverse(const Dense& A) {
   const Eigen::LLT<Dense> llt(A);
   if (llt.info() != Eigen::Success) return std::nullopt;

@@ -33,6 +33,15 @@ template <class Scalar>
 [[nodiscard]] std::optional<Eigenpairs<Scalar>> generalised_eigenpairs(const MatrixX<Scalar>& S,
                                                                        const MatrixX<Scalar>& M);
 
+/// x with A x = b for a symmetric A, by L D L' with pivots (Golub and Van Loan 2013, section 4.4).
+[[nodiscard]] VectorX<double> symmetric_solve(const MatrixX<double>& A, const VectorX<double>& b);
+
+/// L with A = L L'; nothing when A is not positive definite.
+[[nodiscard]] std::optional<MatrixX<double>> cholesky_factor(const MatrixX<double>& A);
+
+/// x with L L' x = b.
+[[nodiscard]] VectorX<double> cholesky_solve(const MatrixX<double>& L, const VectorX<double>& b);
+
 /// A^-1; nothing when A is not positive definite.
 [[nodiscard]] std::optional<MatrixX<std::complex<double>>> hermitian_inverse(const MatrixX<std::complex<double>>& A);
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 //
-// parallel.h: the only door to oneTBB. Loops write disjoint elements; reductions run over fixed chunks and add
-// the partial results in order, so no result depends on the number of threads.
+// parallel.h: the only door to oneTBB, which parallel.cpp alone includes. Loops write disjoint elements; reductions run
+// over fixed chunks and add the partial results in order, so no result depends on the number of threads.
 //
 //   parallel_for(n, [&](std::int64_t i) { y[i] = 2 * x[i]; });
 //   double s = parallel_sum<double>(n, [&](std::int64_t i) { return x[i] * y[i]; });
@@ -12,87 +12,37 @@
 // touched by it.
 #pragma once
 
-#include <tbb/blocked_range.h>
-#include <tbb/global_control.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
+#include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "src/base/cancel.h"
 
-// ThreadSanitizer cannot find the line of every access in code that was inlined into the scheduler. So bodies have
-// frames of their own there, and tests/support/tsan.supp silences the scheduler by the name of its functions; what it
-// passes to a body, which it synchronises in ways that are not seen, is read without checks.
-#if defined(__SANITIZE_THREAD__)
-#include <sanitizer/tsan_interface.h>
-#define ALCAP_OWN_FRAME [[gnu::noinline]]
-#define ALCAP_UNCHECKED __attribute__((no_sanitize("thread")))
-#else
-#define ALCAP_OWN_FRAME
-#define ALCAP_UNCHECKED
-#endif
-
 namespace alcap {
 
 namespace detail {
 
-/// Tells ThreadSanitizer what it cannot see inside TBB: what was written before a parallel region is visible in its
-/// bodies, and what they wrote is visible after it, also where an exception ends them. Races between the bodies stay
-/// visible. Compiles to nothing otherwise.
-class Region {
-#if defined(__SANITIZE_THREAD__)
- public:
-  Region() { __tsan_release(&start_); }
-  ~Region() { __tsan_acquire(&end_); }
-  Region(const Region&) = delete;
-  Region& operator=(const Region&) = delete;
-
-  class Inside {
-   public:
-    explicit Inside(Region& region) : region_(region) { __tsan_acquire(&region_.start_); }
-    ~Inside() { __tsan_release(&region_.end_); }
-    Inside(const Inside&) = delete;
-    Inside& operator=(const Inside&) = delete;
-
-   private:
-    Region& region_;
-  };
-
- private:
-  char start_ = 0;
-  char end_ = 0;
-#else
- public:
-  struct Inside {
-    explicit Inside(Region&) {}
-  };
-#endif
+/// A body that somebody else owns, without its type: parallel.cpp alone includes oneTBB and instantiates its loops.
+struct RangeBody {
+  void* body;
+  void (*run)(void* body, std::int64_t begin, std::int64_t end);
+};
+struct PlainBody {
+  void* body;
+  void (*run)(void* body);
 };
 
-template <class Body, class... Arguments>
-ALCAP_OWN_FRAME void run_body(Body& body, Arguments... arguments) {
-  body(arguments...);
+template <class Body>
+[[nodiscard]] void* address_of(Body& body) {
+  return const_cast<void*>(static_cast<const void*>(std::addressof(body)));
 }
 
-/// body(begin, end) for the range; inside a scope in pieces of `grain`, a check before each.
-template <class Body>
-void run_range(Body& body, std::int64_t begin, std::int64_t end, std::int64_t grain) {
-  if (cancel::current == nullptr) {
-    run_body(body, begin, end);
-    return;
-  }
-  for (; begin < end; begin += grain) {
-    check_cancelled();
-    run_body(body, begin, std::min(end, begin + grain));
-  }
-}
+void run_ranges(std::int64_t n, std::int64_t grain, RangeBody body);
+void run_in_arena(int threads, PlainBody body);
+void run_apart(PlainBody body);
 
 }  // namespace detail
 
@@ -107,29 +57,17 @@ inline constexpr std::int64_t sequential_below = 2048;
 inline constexpr int most_threads = 4096;
 
 /// The most threads that a loop started here uses.
-[[nodiscard]] inline int thread_limit() { return tbb::this_task_arena::max_concurrency(); }
+[[nodiscard]] int thread_limit();
 
 /// Calls body(begin, end) over disjoint ranges that cover [0, n); range limits are multiples of `grain`. One thread
 /// gets one range: on small meshes the scheduling of tasks would take a tenth of a run.
 template <class Body>
 void parallel_ranges(std::int64_t n, std::int64_t grain, Body&& body) {
   if (n <= 0) return;
-  const std::int64_t chunks = (n + grain - 1) / grain;
-  if (chunks == 1 || thread_limit() == 1) {
-    detail::run_range(body, 0, n, grain);
-    return;
-  }
-  detail::Region region;
-  detail::ControlScope* const scope = detail::cancel::current;
-  const auto run = [&](const tbb::blocked_range<std::int64_t>& r) ALCAP_UNCHECKED {
-    const detail::Region::Inside inside(region);
-    const detail::CarriedScope carried(scope);
-    detail::run_range(body, r.begin() * grain, std::min(n, r.end() * grain), grain);
-  };
-  // A group of its own: one that hangs on the group around it would, when another body of that throws, end here early
-  // and without a word, and the body around this loop would go on with half of the results.
-  tbb::task_group_context own(tbb::task_group_context::isolated);
-  tbb::parallel_for(tbb::blocked_range<std::int64_t>(0, chunks), run, own);
+  using Own = std::remove_reference_t<Body>;
+  detail::run_ranges(n, grain, {detail::address_of(body), [](void* own, std::int64_t begin, std::int64_t end) {
+                                  (*static_cast<Own*>(own))(begin, end);
+                                }});
 }
 
 /// Calls body(i) for i in [0, n) in any order. Bodies must write disjoint elements.
@@ -214,31 +152,16 @@ Int parallel_exclusive_scan(Int* counts, std::int64_t n) {
 /// would only cost time.
 template <class Body>
 void run_with_threads(int threads, Body&& body) {
-  const int here = thread_limit();
-  if (threads <= 0 || (threads == 1 && here == 1)) {
-    body();
-    return;
-  }
-  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  const int most = here == tbb::info::default_concurrency() ? static_cast<int>(allowed) : here;
-  tbb::task_arena arena(std::min(threads, most));
-  detail::Region region;
-  detail::ControlScope* const scope = detail::cancel::current;
-  arena.execute([&]() ALCAP_UNCHECKED {
-    const detail::Region::Inside inside(region);
-    const detail::CarriedScope carried(scope);
-    detail::run_body(body);
-  });
+  using Own = std::remove_reference_t<Body>;
+  detail::run_in_arena(threads, {detail::address_of(body), [](void* own) { (*static_cast<Own*>(own))(); }});
 }
 
 /// Runs body so that this thread, while it waits for loops inside, takes no work from outside of them: for what must
 /// not be entered twice by one thread, such as the initialisation under a std::once_flag.
 template <class Body>
 void run_isolated(Body&& body) {
-  tbb::this_task_arena::isolate(std::forward<Body>(body));
+  using Own = std::remove_reference_t<Body>;
+  detail::run_apart({detail::address_of(body), [](void* own) { (*static_cast<Own*>(own))(); }});
 }
-
-#undef ALCAP_OWN_FRAME
-#undef ALCAP_UNCHECKED
 
 }  // namespace alcap

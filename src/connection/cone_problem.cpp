@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "src/connection/cone_problem.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/dense/hermitian.h"
 #include "src/base/array.h"
 #include "src/connection/cone_index.h"
 #include "src/connection/grounded_laplacian.h"
@@ -175,7 +175,7 @@ void ConeProblem::add_generators(const std::vector<Loop>& generators, const Cone
     }
     missing[k] = 2 * pi<double> * (now - wanted);
   }
-  x += Z * Eigen::LDLT<Eigen::MatrixXd>(gram).solve(missing);
+  x += Z * symmetric_solve(gram, missing);
 }
 
 }  // namespace alcap::detail

@@ -4,11 +4,11 @@
 // potentials are zero on the boundary at first. Where boundary loops have indices, the potentials that the loops take
 // come from a small dense system per component: one Poisson solve for each loop but the first of its component, those
 // of different components at once.
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
+#include "solvers/dense/hermitian.h"
 #include "src/base/array.h"
 #include "src/connection/cone_problem.h"
 #include "src/connection/cone_request.h"
@@ -193,7 +193,7 @@ class ConePotentials {
         b[k] = missing[of[at(k + 1)]];
         for (Eigen::Index l = 0; l < size; ++l) A(k, l) = response[at(l)][of[at(k + 1)]];
       }
-      const Eigen::VectorXd solved = Eigen::LDLT<Eigen::MatrixXd>((A + A.transpose()) / 2).solve(b);
+      const Eigen::VectorXd solved = symmetric_solve((A + A.transpose()) / 2, b);
       for (Eigen::Index k = 0; k < size; ++k) found[of[at(k + 1)]] = solved[k];
     }
     share_from_first(found);

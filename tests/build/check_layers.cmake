@@ -41,8 +41,8 @@ set(parts
   "python        | include apps python | pybind11/")
 # Doors: what only the files that match may include.
 set(doors
-  "^(oneapi/)?tbb/ = ^src/base/parallel\\.h$"
-  "^sanitizer/ = ^src/base/parallel\\.h$"
+  "^(oneapi/)?tbb/ = ^src/base/parallel\\.cpp$"
+  "^sanitizer/ = ^src/base/parallel\\.cpp$"
   "^(suitesparse/)?(cholmod|umfpack|SuiteSparse_config|amd|camd|colamd|metis|cblas|lapacke|openblas_config)\\.h$ = ^solvers/linear/cholmod[^/]*\\.cpp$"
   "^Eigen/(Cholmod|UmfPack|SPQR|Metis)Support$ = ^solvers/linear/cholmod[^/]*\\.cpp$"
   "^Spectra/ = ^solvers/"

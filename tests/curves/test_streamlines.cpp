@@ -3,6 +3,7 @@
 // Integral curves against fields whose curves are known: circles, straight lines, meridians; and on meshes and fields
 // that are as bad as they come.
 #include <doctest/doctest.h>
+#include <tbb/global_control.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>

@@ -48,7 +48,7 @@ struct Sphere : Shape {
   Sphere(std::string name_, int level_, MeshData s, const Eigen::MatrixXcd& coefficients)
       : Shape(std::move(name_), level_, std::move(s)) {
     const Eigen::Index count = coefficients.rows();
-    Eigen::MatrixXd integrals(mesh.faces(), count);
+    Eigen::MatrixXcd integrals(mesh.faces(), count);
     const TriangleRule rule(6);  // twelfth order: exact to rounding beside the discretisation error
     for_row_blocks(mesh.faces(), [&](Eigen::Index begin, Eigen::Index end) {
       Eigen::VectorXd values(count), sum(count);
@@ -83,8 +83,8 @@ struct Sphere : Shape {
         const Row n = surface.V.row(v).normalized(), axis = frames.X.row(v);
         const Row x = (axis - axis.dot(n) * n).normalized(), y = n.cross(x);
         harmonic_gradients(n, gradients);
-        basis.row(v).real() = (gradients * x.transpose()).transpose();
-        basis.row(v).imag() = (gradients * y.transpose()).transpose();
+        basis.row(v).real() = gradients.lazyProduct(x.transpose()).transpose();
+        basis.row(v).imag() = gradients.lazyProduct(y.transpose()).transpose();
       }
     });
     return combine(basis, coefficients);

@@ -51,8 +51,7 @@ void for_row_blocks(Eigen::Index rows, Body&& body) {
 }
 
 /// Rows times coefficients.
-template <class Matrix>
-Fields combine(const Matrix& rows, const Eigen::MatrixXcd& coefficients) {
+inline Fields combine(const Eigen::MatrixXcd& rows, const Eigen::MatrixXcd& coefficients) {
   Fields out(rows.rows(), coefficients.cols());
   for_row_blocks(rows.rows(), [&](Eigen::Index begin, Eigen::Index end) {
     out.middleRows(begin, end - begin).noalias() = rows.middleRows(begin, end - begin) * coefficients;

@@ -194,7 +194,7 @@ BodyShape::BodyShape(std::string name_, int level_, MeshData data, const Body& b
   const Fields u = combine(basis, coefficients_);
   for (Eigen::Index f = 0; f < fields; ++f)
     coefficients_.col(f) /= std::sqrt((u.col(f).cwiseAbs2().array() * share.array()).sum());
-  Eigen::MatrixXd integrals(mesh.faces(), monomials);
+  Eigen::MatrixXcd integrals(mesh.faces(), monomials);
   const TriangleRule rule(5);
   for_row_blocks(mesh.faces(), [&](Eigen::Index begin, Eigen::Index end) {
     Eigen::VectorXd values(monomials);
@@ -207,7 +207,7 @@ BodyShape::BodyShape(std::string name_, int level_, MeshData data, const Body& b
       for (const auto& node : rule.nodes) {
         const Row p = a + node.x * b + node.y * c;
         laplacians(body_, body_.on_surface(p), values);
-        integrals.row(t) += node.weight * twice * body_.area_ratio(p, normal / twice) * values.transpose();
+        integrals.row(t).real() += node.weight * twice * body_.area_ratio(p, normal / twice) * values.transpose();
       }
     }
   });
@@ -242,7 +242,7 @@ Eigen::ArrayXd one_form_energy(const Mesh& mesh, const Geometry& geometry, const
         integrals(e, k) = {gradients.row(k).dot(along), -gradients.row(k).dot(turned)};
     }
   });
-  return div_curl_energy(mesh, geometry, (integrals * coefficients).real());
+  return div_curl_energy(mesh, geometry, combine(integrals, coefficients).real());
 }
 
 Eigen::ArrayXd div_curl_energy(const Mesh& mesh, const Geometry& geometry, const Eigen::MatrixXd& omega) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "src/design/eigen/pencil.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
 
 #include "alcap/assembly.h"
+#include "solvers/dense/hermitian.h"
 #include "solvers/eigenpair/lanczos_real.h"
 #include "solvers/eigenpair/problem.h"
 #include "solvers/linear/backends.h"
@@ -327,10 +327,11 @@ class Pencil {
     Bt_ = B.transpose().sparseView(0, 0);
     MatrixX<double> G = Bt_ * Y_;
     G.diagonal().array() += 1;
-    factor_.compute(G);
-    if (factor_.info() != Eigen::Success)
+    std::optional<MatrixX<double>> factor = cholesky_factor(G);
+    if (!factor)
       throw SolveError(
           "the update for the strokes is not positive definite; EigenDesignOptions::largest_rank 0 does without it");
+    factor_ = std::move(*factor);
     pencil.name = complex_->name() + ", " + std::to_string(rank) + " rows";
     pencil.solve = [this](const double* x, double* y) {
       Eigen::Map<Vector>(y, 2 * S_.rows()) = update(Eigen::Map<const Vector>(x, 2 * S_.rows()));
@@ -342,7 +343,7 @@ class Pencil {
     const Eigen::Map<const MatrixX<C>> bc(reinterpret_cast<const C*>(b.data()), S_.rows(), 1);
     Eigen::Map<MatrixX<C>> xc(reinterpret_cast<C*>(x.data()), S_.rows(), 1);
     (void)complex_->solve(bc, xc);
-    x -= Y_ * factor_.solve(Vector(Bt_ * x));
+    x -= Y_ * cholesky_solve(factor_, Bt_ * x);
     return x;
   }
 
@@ -359,7 +360,7 @@ class Pencil {
   std::unique_ptr<LinearSolver<double>> real_;
   std::unique_ptr<LinearSolver<C>> complex_;
   MatrixX<double> Y_;
-  Eigen::LLT<MatrixX<double>> factor_;
+  MatrixX<double> factor_;  // of 1 + B' Y: its lower triangle
   Vector solved_q_;
 };
 

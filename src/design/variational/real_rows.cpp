@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "src/design/variational/real_rows.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "solvers/dense/hermitian.h"
 
 namespace alcap::detail {
 namespace {
@@ -39,7 +40,7 @@ VectorX<double> multipliers(const std::vector<RowFunctional>& rows, const Matrix
   }
   const double exact = exact_compliance * G.diagonal().cwiseAbs().maxCoeff();
   for (Eigen::Index i = 0; i < count; ++i) G(i, i) += row(i).weight != 0 ? 1 / row(i).weight : exact;
-  return G.ldlt().solve(missing);
+  return symmetric_solve(G, missing);
 }
 
 ComplexVectorX<double> complex_multipliers(const std::vector<RowFunctional>& rows, const VectorX<double>& mu,
