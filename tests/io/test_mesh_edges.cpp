@@ -50,4 +50,5 @@ TEST_CASE("the elements edge of a PLY") {
   CHECK(lost.edges == Edges{{2, 1}});
   CHECK_FALSE(lost.remarks.empty());
   CHECK(read(ply("element edge 1\nproperty int a\n") + "5\n").edges.empty());
+  CHECK_THROWS_WITH_AS((void)read(ply(header) + "0 x 1\n2 1 0\n"), doctest::Contains("'x'"), FileError);
 }

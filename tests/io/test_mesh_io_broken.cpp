@@ -161,6 +161,7 @@ TEST_CASE("OBJ, OFF and PLY refuse what they cannot mean") {
   refused(ply + "element face 1\n" + list + list + "end_header\n", 9, {"twice"});
   refused(ply + "element nothing 9999999999999\nend_header\n" + points, 0, {"no properties"});
   refused(ply + "property half w\n", 7, {"'half'"});
+  refused(ply + "property list float int ring\n", 7, {"whole-number type"});
   refused("ply\nformat ascii 1.0\nelement vertex -4\n", 3, {"-4 elements 'vertex'"});
   refused(ply + "property list char int ring\nend_header\n0 0 0 -2\n1 0 0 0\n0 1 0 0\n", 9, {"'ring'", "-2 values"});
   refused("ply\nformat ascii 2.0\n", 2, {"version"});

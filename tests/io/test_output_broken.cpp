@@ -157,6 +157,7 @@ TEST_CASE("read_field refuses what is no field file, and one cut anywhere") {
   CHECK(throws(changed("connection local", "connection loca")));
   CHECK(throws(changed("property double u_re", "property double v_re")));
   CHECK(throws(changed("property double axis_z", "property float axis_z")));
+  CHECK(throws(changed("property double axis_z", "property list uchar double axis_z")));
   CHECK(throws(changed("binary_little_endian", "binary_big_endian")));
   std::string not_finite = whole;
   const double nan = std::nan("");
