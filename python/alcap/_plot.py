@@ -25,15 +25,21 @@ def _camera(view: Sequence[float]) -> npt.NDArray[np.float64]:
     return np.stack([right, np.cross(out, right), out])
 
 
+# The colours of the page (apps/viewer/style.css).
+CANVAS, CLAY, INK = '#f3f1ec', '#ebe5d8', '#2b3644'
+MARKS = ((1, '#d55e00', 'o'), (-1, '#0072b2', 'D'))
+
+
 def draw(run: 'Run', ax: Any, view: Sequence[float], arrows: int, length: Optional[float]) -> 'Figure':
     """See FieldRun.plot()."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.collections import LineCollection, PolyCollection
+    from matplotlib.colors import to_rgb
     from matplotlib.figure import Figure
 
     surface = run.surface
     if ax is None:
-        figure = Figure(figsize=(6, 6))
+        figure = Figure(figsize=(6, 6), facecolor=CANVAS)
         FigureCanvasAgg(figure)
         ax = figure.add_axes((0, 0, 1, 1))
     camera = _camera(view)
@@ -45,9 +51,9 @@ def draw(run: 'Run', ax: Any, view: Sequence[float], arrows: int, length: Option
     depth = points[surface.F, 2].mean(axis=1)
     front = np.flatnonzero(facing > 0)
     front = front[np.argsort(depth[front])]
-    shade = 0.55 + 0.4 * facing[front]
+    shade = 0.65 + 0.35 * facing[front]
     ax.add_collection(PolyCollection(points[surface.F[front]][:, :, :2], antialiased=False,
-                                     facecolors=np.stack([shade] * 3, axis=1)))
+                                     facecolors=np.outer(shade, to_rgb(CLAY))))
     frames = run.frames
     assert frames is not None
     seen = np.flatnonzero(frames.N @ camera[2] > 0.1)
@@ -59,14 +65,14 @@ def draw(run: 'Run', ax: Any, view: Sequence[float], arrows: int, length: Option
     for k in range(run.n):
         vectors = (run.vectors(k)[seen] @ camera.T)[:, :2] * (size / largest)
         segments.append(np.stack([points[seen, :2], points[seen, :2] + vectors], axis=1))
-    ax.add_collection(LineCollection(np.concatenate(segments), colors='#1b4f8a', linewidths=0.6))
+    ax.add_collection(LineCollection(np.concatenate(segments), colors=INK, linewidths=0.6))
     found = run.singularities
     if len(found):
         at = _alcap.singularity_positions(surface, found) @ camera.T
         visible = facing[found['face']] > 0
-        for sign, color in ((1, '#c0392b'), (-1, '#2471a3')):
+        for sign, color, marker in MARKS:
             chosen = visible & (np.sign(found['index']) == sign)
-            ax.scatter(at[chosen, 0], at[chosen, 1], s=28, c=color, edgecolors='white', linewidths=0.6, zorder=3)
+            ax.scatter(at[chosen, 0], at[chosen, 1], s=28, c=color, marker=marker, edgecolors='white', linewidths=0.6, zorder=3)
     ax.set_aspect('equal')
     ax.autoscale_view()
     ax.set_axis_off()

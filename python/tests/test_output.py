@@ -71,14 +71,22 @@ def test_notebooks_show_something(cross):
     assert 'singularities' in repr(cross)
 
 
-def test_plot_without_a_display(cross, tmp_path):
+def test_plot_without_a_display_in_the_colours_of_the_page(cross, tmp_path, source):
     pytest.importorskip('matplotlib')
+    style = open(os.path.join(source, 'apps/viewer/style.css')).read()
     figure = cross.plot()
     figure.savefig(tmp_path / 'field.png')
     figure.canvas.draw()
     pixels = np.asarray(figure.canvas.buffer_rgba())[..., :3].astype(int)
-    blue = (pixels[..., 2] > pixels[..., 0] + 40).mean()
-    assert blue > 0.01 and (tmp_path / 'field.png').stat().st_size > 10000
+
+    def share(name, off=12):
+        """Of the pixels that have this colour, thin lines nearly so."""
+        code = re.search(rf'--{name}: #(\w{{6}})', style).group(1)
+        colour = [int(code[k:k + 2], 16) for k in (0, 2, 4)]
+        return (abs(pixels - colour).max(axis=-1) < off).mean()
+    assert share('canvas') > 0.05 and share('ink', 60) > 0.005 and share('positive') > 1e-4
+    assert (pixels[..., 0] > pixels[..., 2] + 8).mean() > 0.2  # clay is warm
+    assert (tmp_path / 'field.png').stat().st_size > 10000
 
 
 def test_adapters_say_what_to_install(cross, monkeypatch):
