@@ -61,9 +61,11 @@ Vector local_indices(const Patch& patch, const std::vector<Cone>& cones) {
   std::vector<Cone> sorted = cones;
   std::ranges::stable_sort(sorted, {}, &Cone::vertex);
   Vector index = Vector::Zero(count_of(patch.vertex));
-  for (Index v = 0; v < index.size(); ++v)
-    for (const Cone& cone : std::ranges::equal_range(sorted, patch.vertex[at(v)], {}, &Cone::vertex))
-      index[v] += cone.index;
+  for (Index v = 0; v < index.size(); ++v) {
+    const auto here = patch.vertex[at(v)];
+    auto cone = std::ranges::lower_bound(sorted, here, {}, &Cone::vertex);
+    for (; cone != sorted.end() && cone->vertex == here; ++cone) index[v] += cone->index;
+  }
   return index;
 }
 
