@@ -40,6 +40,7 @@ template <class Body>
   return const_cast<void*>(static_cast<const void*>(std::addressof(body)));
 }
 
+// parallel_ranges, run_with_threads and run_isolated, for a body without its type.
 void run_ranges(std::int64_t n, std::int64_t grain, RangeBody body);
 void run_in_arena(int threads, PlainBody body);
 void run_apart(PlainBody body);
