@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # arm64.sh [--targets "T..."] [ctest options]: builds the library and its tests for 64-bit ARM with Debian's cross compiler
-# and runs the tests under qemu (by default the quick ones). --targets builds only these programs. Compares eigenvalues
+# and runs the tests under qemu (by default quick and medium). --targets builds only these programs. Compares eigenvalues
 # with those of this machine's build (preset ALCAP_PRESET, default release) to 1e-12. Libraries are unpacked into
 # build/arm64-libraries; on the system, only the compiler and qemu are installed.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
@@ -17,7 +17,7 @@ if [ "${1:-}" = --targets ]; then
   read -ra targets <<<"$2"
   shift 2
 fi
-[ $# -gt 0 ] || set -- -L quick
+[ $# -gt 0 ] || set -- -L "quick|medium"
 install_packages "${build_packages[@]}" ccache g++-12-aarch64-linux-gnu qemu-user
 libraries=$root/build/arm64-libraries
 if ! [ -e "$libraries/complete" ]; then

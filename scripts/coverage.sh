@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 #
 # coverage.sh [--throws] [ctest options]: measures line coverage per folder with gcov. Builds the preset coverage and runs its
-# tests (by default the quick ones). --throws also lists the statements that throw and were not run.
+# tests (by default quick and medium). --throws also lists the statements that throw and were not run.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
 throws=()
@@ -14,7 +14,7 @@ if [ "${1:-}" = -h ] || [ "${1:-}" = --help ]; then
   sed -n '4,5s/^# //p' "${BASH_SOURCE[0]}"
   exit 0
 fi
-[ $# -gt 0 ] || set -- -L quick
+[ $# -gt 0 ] || set -- -L "quick|medium"
 install_packages "${build_packages[@]}" python3 ccache
 build coverage
 find "$root/build/coverage" -name '*.gcda' -delete

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: MIT
 #
-# index64.sh [--all] [ctest options]: builds alcap with 64-bit indices (ALCAP_INDEX_64) in build/index64 and runs its quick
-# tests (--all: all of them). Checks that its tool writes the same bytes as that of build/release (preset ALCAP_PRESET): fields,
+# index64.sh [--all] [ctest options]: builds alcap with 64-bit indices (ALCAP_INDEX_64) in build/index64 and runs its quick and
+# medium tests (--all: all of them). Checks that its tool writes the same bytes as that of build/release (preset ALCAP_PRESET): fields,
 # curves, tables, meshes, matrices and designs; that both packages can be installed side by side; and that options which need
 # 32 bits are refused.
 . "$(dirname "${BASH_SOURCE[0]}")/setup.sh"
 
-chosen=(-L quick)
+chosen=(-L "quick|medium")
 case ${1:-} in
   --all) chosen=() && shift ;;
   -h | --help) sed -n '4,8s/^# //p' "${BASH_SOURCE[0]}"; exit 0 ;;

@@ -30,9 +30,8 @@ class ComplexProblem final : public LanczosProblem {
         Mx_(problem.S.rows(), 1),
         u_(std::move(start)) {}
 
-  void apply(const double* x, double* y) const override {
-    hermitian_product(problem_.M, as_complex(x), Mx_.data());
-    Mx_ /= problem_.area;
+  void solve(const double* Mx, double* y) const override {
+    Mx_ = Eigen::Map<const ComplexVector>(as_complex(Mx), Mx_.rows()) * (2 / static_cast<double>(rows()));
     Eigen::Map<MatrixX<complex<double>>> result(as_complex(y), Mx_.rows(), 1);
     inverse_.solver->solve(Mx_, result);
   }

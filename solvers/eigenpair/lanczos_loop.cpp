@@ -41,23 +41,30 @@ Eigen::Index place_of_second(const RitzPairs& ritz) {
   return place;
 }
 
+/// Products with M are in units of the mean row sum of M, which is size / (rows / 2) (complex rows).
+double mass_unit(const LanczosProblem& problem) { return static_cast<double>(problem.rows()) / (2 * problem.size()); }
+
 /// Op, as Spectra calls it.
 struct Inverse {
   using Scalar = double;
   const LanczosProblem& problem;
   [[nodiscard]] Eigen::Index rows() const { return problem.rows(); }
-  void perform_op(const double* x, double* y) const { problem.apply(x, y); }
+  void perform_op(const double* x, double* y) const {
+    VectorX<double> Mx(rows());
+    problem.mass(x, Mx.data());
+    Mx *= mass_unit(problem);
+    problem.solve(Mx.data(), y);
+  }
 };
 
-/// The inner product: M in units of its mean row sum, which is size / (rows / 2) (complex rows). Basis vectors then
-/// have y^H M y = 2 size / rows.
+/// The inner product. Basis vectors have y^H M y = 2 size / rows.
 struct Mass {
   using Scalar = double;
   const LanczosProblem& problem;
   [[nodiscard]] Eigen::Index rows() const { return problem.rows(); }
   void perform_op(const double* x, double* y) const {
     problem.mass(x, y);
-    Eigen::Map<VectorX<double>>(y, rows()) *= static_cast<double>(rows()) / (2 * problem.size());
+    Eigen::Map<VectorX<double>>(y, rows()) *= mass_unit(problem);
   }
 };
 
@@ -96,7 +103,8 @@ class LanczosLoop::Process {
         basis_.restart(std::min(kept, size_ / 2), ritz_.values);
         k = basis_.subspace_dim();
       }
-      basis_.factorize_from(k, k + 1, solves_);
+      basis_.extend([&](const double* x, double* y) { mass_.perform_op(x, y); },
+                    [&](const double* Mx, double* y) { problem_.solve(Mx, y); }, solves_);
     }
   }
 

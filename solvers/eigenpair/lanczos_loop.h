@@ -25,9 +25,10 @@ class LanczosProblem {
   [[nodiscard]] Eigen::Index rows() const { return rows_; }
   [[nodiscard]] double size() const { return size_; }
 
-  /// y = Op x = (S - sigma M)^-1 M x / size, sigma below the smallest eigenvalue. Its eigenvalues are
-  /// theta = 1 / (size (lambda - sigma)): numbers near 1 for Spectra's absolute thresholds.
-  virtual void apply(const double* x, double* y) const = 0;
+  /// y = Op x = (S - sigma M)^-1 M x / size, sigma below the smallest eigenvalue; given is M x in units of the mean row
+  /// sum, M x rows / (2 size). Eigenvalues of Op are theta = 1 / (size (lambda - sigma)): numbers near 1 for Spectra's
+  /// absolute thresholds.
+  virtual void solve(const double* Mx, double* y) const = 0;
   /// y = M x.
   virtual void mass(const double* x, double* y) const = 0;
   /// |(S - sigma M) x|.

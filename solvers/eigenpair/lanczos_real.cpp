@@ -24,9 +24,8 @@ class RealProblem final : public LanczosProblem {
         Su_(pencil.rows),
         Mu_(pencil.rows) {}
 
-  void apply(const double* x, double* y) const override {
-    pencil_.M(x, Mx_.data());
-    Mx_ /= pencil_.scale;
+  void solve(const double* Mx, double* y) const override {
+    Mx_ = Eigen::Map<const Vector>(Mx, rows()) * (2 / static_cast<double>(rows()));
     pencil_.solve(Mx_.data(), y);
   }
 

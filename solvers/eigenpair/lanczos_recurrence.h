@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 //
 // lanczos_recurrence.h: Spectra's Lanczos factorisation with the implicit restart (Sorensen 1992) that its solver
-// classes keep private. Internal to solvers/.
+// classes keep private, and with a step that multiplies less. Internal to solvers/.
 #pragma once
 
-#include <Spectra/LinAlg/Lanczos.h>
+#include <cmath>
+
+#include <Spectra/LinAlg/Arnoldi.h>
 #include <Spectra/LinAlg/UpperHessenbergQR.h>
 #include <Spectra/MatOp/internal/ArnoldiOp.h>
 
@@ -14,11 +16,57 @@ namespace alcap::detail {
 
 /// `Operators` is a Spectra::ArnoldiOp: a symmetric positive operator in an inner product.
 template <class Operators>
-class LanczosRecurrence : public Spectra::Lanczos<double, Operators> {
+class LanczosRecurrence : public Spectra::Arnoldi<double, Operators> {
  public:
-  using Base = Spectra::Lanczos<double, Operators>;
+  using Base = Spectra::Arnoldi<double, Operators>;
   using Base::Base;
   using Index = Eigen::Index;  // Spectra's is private
+
+  /// One more basis vector, by one solve and three products with M. `product(x, y)` is y = M x in the inner product of
+  /// `Operators`, `solve(Mx, y)` is y = Op x. As Spectra::Lanczos::factorize_from(), but M v follows from M f, and each
+  /// vector is projected twice, which is enough (Giraud, Langou, Rozloznik 2005). Spectra projects until nothing is
+  /// left but rounding, with ten products more.
+  template <class Product, class Solve>
+  void extend(const Product& product, const Solve& solve, Index& solves) {
+    const Index k = this->m_k;
+    double& beta = this->m_beta;
+    VectorX<double>& f = this->m_fac_f;
+    double coupling = beta;
+    if (!(beta > this->m_eps * std::sqrt(static_cast<double>(f.size())))) {
+      // The basis spans an invariant space (eigenvalues of Op are near 1): on with a random vector.
+      Eigen::Map<const MatrixX<double>> V(this->m_fac_V.data(), f.size(), k);
+      this->expand_basis(V, 2 * k, f, beta, solves);
+      coupling = 0;
+      fresh_ = false;
+    }
+    if (!fresh_) {
+      Mf_.resize(f.size());
+      product(f.data(), Mf_.data());
+    }
+    this->m_fac_V.col(k) = f / beta;
+    Mf_ /= beta;  // M v
+    solve(Mf_.data(), f.data());
+    ++solves;
+    f -= coupling * this->m_fac_V.col(k - 1);
+    const auto V = this->m_fac_V.leftCols(k + 1);
+    double diagonal = 0;
+    for (int pass = 0; pass < 2; ++pass) {
+      product(f.data(), Mf_.data());
+      projections_.noalias() = V.transpose() * Mf_;
+      f.noalias() -= V * projections_;
+      coupling += projections_[k - 1];
+      diagonal += projections_[k];
+    }
+    product(f.data(), Mf_.data());
+    beta = std::sqrt(f.dot(Mf_));
+    fresh_ = true;
+    MatrixX<double>& H = this->m_fac_H;
+    H.row(k).setZero();
+    H.col(k).setZero();
+    H(k, k - 1) = H(k - 1, k) = coupling;
+    H(k, k) = diagonal;
+    this->m_k = k + 1;
+  }
 
   /// Shrinks a full basis to the `keep` Ritz vectors of largest Ritz values; `theta` ascending.
   void restart(Index keep, const VectorX<double>& theta) {
@@ -32,7 +80,12 @@ class LanczosRecurrence : public Spectra::Lanczos<double, Operators> {
       this->compress_H(qr);
     }
     this->compress_V(Q);
+    fresh_ = false;
   }
+
+ private:
+  VectorX<double> Mf_, projections_;
+  bool fresh_ = false;  // Mf_ is M f
 };
 
 }  // namespace alcap::detail

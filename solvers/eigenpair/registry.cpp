@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "solvers/eigenpair/faded.h"
 #include "solvers/eigenpair/problem.h"
 #include "solvers/linear/backends.h"
 #include "solvers/linear/name_table.h"
@@ -139,6 +140,7 @@ EigenResult solve_and_check(const EigenProblem& problem, const EigenOptions& opt
     planned.prove_smallest = options.prove_smallest;
   prove_smallest(problem, planned, own_method(method), result, std::nullopt, counter);
   if (planned.prove_smallest != options.prove_smallest && report.converged) report.smallest_note = proof_takes_longer;
+  restore_faded(problem, options, result);
   // To the nearest of all that are as smooth, unless the second eigenvalue is known to lie beyond them.
   const double scale = std::max(report.lambda, 1 / problem.area);
   double above = report.lambda + equally_smooth * scale;
