@@ -12,7 +12,7 @@
 # accuracy: compares fields at the default tolerances (angle 0.01 degrees, connection 1e-6) with the same fields at 1e-10:
 # the angle between the two with the reported bound, and the singularities. Fails if an angle exceeds its bound, or if
 # singularities moved further than into a neighbouring face although the second eigenvalue is not close and the vector
-# is not below 1e-4 there.
+# is not below 1e-12 there.
 set -eu
 root=$(cd "$(dirname "$0")/.." && pwd)
 build=${ALCAP_BUILD:-$root/build/release}

@@ -27,10 +27,14 @@ using std::complex;
 /// few million triangles. At the first, u has two digits or more.
 constexpr double faded = 1e-3;
 constexpr double deep = 1e-5;
+/// Smaller regions are zeros: on symmetric meshes a vertex may lie at one exactly.
+constexpr std::size_t least_rows = 32;
 /// What an iterative solve leaves of the error, and a direct one at most; both bounds then go down by as much.
 constexpr double tolerance = 1e-4;
 constexpr double left_by_direct = 1e-8;
 constexpr int most_rounds = 10;
+/// Multigrid takes 10 to 15; where u is not the smallest eigenvector the rows may be indefinite, and it would not end.
+constexpr int most_iterations = 100;
 /// The distance may grow by this factor: the residual of rows around D changes by what the values inside change. What
 /// the report says of angles is judged afterwards.
 constexpr double growth = 2;
@@ -46,14 +50,16 @@ std::vector<Index> small_regions(const HermitianMatrix& A, const ComplexVector& 
   for (Index seed = 0; seed < n; ++seed) {
     if (taken[static_cast<std::size_t>(seed)] || !(std::abs(u[seed]) < floor)) continue;
     taken[static_cast<std::size_t>(seed)] = 1;
+    const std::size_t first = region.size();
     region.push_back(seed);
-    for (std::size_t k = region.size() - 1; k < region.size(); ++k)
+    for (std::size_t k = first; k < region.size(); ++k)
       for (HermitianMatrix::InnerIterator it(A, region[k]); it; ++it) {
         const auto j = static_cast<std::size_t>(it.row());
         if (taken[j] || !(std::abs(u[it.row()]) < ceiling)) continue;
         taken[j] = 1;
         region.push_back(static_cast<Index>(it.row()));
       }
+    if (region.size() - first < least_rows) region.resize(first);
   }
   std::sort(region.begin(), region.end());
   return region;
@@ -108,8 +114,11 @@ std::optional<Corrected> corrected_on(const std::vector<Index>& rows, const Herm
   MatrixX<complex<double>> x(b.rows(), 1);
   SolveReport report;
   try {
-    const auto solver = make_linear_solver<complex<double>>(
-        {.name = options.solver, .right_hand_sides = 1, .tolerance = tolerance, .cancel = options.cancel});
+    const auto solver = make_linear_solver<complex<double>>({.name = options.solver,
+                                                             .right_hand_sides = 1,
+                                                             .tolerance = tolerance,
+                                                             .max_iterations = most_iterations,
+                                                             .cancel = options.cancel});
     HermitianMatrix transport;
     if (problem.transport != nullptr) {
       transport = part(*problem.transport, rows, place);

@@ -82,8 +82,8 @@ void hunt(const std::string& family, std::uint64_t seed, Tally& tally) {
       family.c_str(), static_cast<unsigned long long>(seed), n, static_cast<int>(mesh.V.rows()), eigen.lambda,
       eigen.next.value_or(0), eigen.residual, eigen.angle.value_or(-1), std::string(name(eigen.angle_check)).c_str(),
       error.rms, error.vertices, moved ? ", singularities moved" : "", beyond ? ", BEYOND ITS BOUND" : "", length);
-  // Localised vectors fade to nothing: what is left of them there is rounding at any tolerance.
-  constexpr double faded = 1e-4;
+  // Localised vectors fade to nothing; the connection and lambda have 6 and 10 digits.
+  constexpr double faded = 1e-12;
   tally.failures += beyond || (moved && !close && length > faded);
 }
 
