@@ -72,7 +72,8 @@ HermitianMatrix part(const HermitianMatrix& A, const std::vector<Index>& rows, c
     for (HermitianMatrix::InnerIterator it(A, rows[static_cast<std::size_t>(j)]); it; ++it)
       if (const Index i = place[static_cast<std::size_t>(it.row())]; i >= 0) entry(i, it.value());
   };
-  HermitianMatrix result(count, count);
+  HermitianMatrix result;  // resized: Eigen's constructors leak where memory runs out in the middle of them
+  result.resize(count, count);
   Index* const start = result.outerIndexPtr();
   parallel_for(count, [&](std::int64_t j) {
     Index entries = 0;

@@ -50,12 +50,13 @@ class LanczosRecurrence : public Spectra::Arnoldi<double, Operators> {
     f -= coupling * this->m_fac_V.col(k - 1);
     const auto V = this->m_fac_V.leftCols(k + 1);
     double diagonal = 0;
+    VectorX<double> projections(k + 1);  // no member: Eigen frees a vector twice where it cannot be made longer
     for (int pass = 0; pass < 2; ++pass) {
       product(f.data(), Mf_.data());
-      projections_.noalias() = V.transpose() * Mf_;
-      f.noalias() -= V * projections_;
-      coupling += projections_[k - 1];
-      diagonal += projections_[k];
+      projections.noalias() = V.transpose() * Mf_;
+      f.noalias() -= V * projections;
+      coupling += projections[k - 1];
+      diagonal += projections[k];
     }
     product(f.data(), Mf_.data());
     beta = std::sqrt(f.dot(Mf_));
@@ -84,7 +85,7 @@ class LanczosRecurrence : public Spectra::Arnoldi<double, Operators> {
   }
 
  private:
-  VectorX<double> Mf_, projections_;
+  VectorX<double> Mf_;
   bool fresh_ = false;  // Mf_ is M f
 };
 

@@ -140,6 +140,7 @@ EigenResult solve_and_check(const EigenProblem& problem, const EigenOptions& opt
     planned.prove_smallest = options.prove_smallest;
   prove_smallest(problem, planned, own_method(method), result, std::nullopt, counter);
   if (planned.prove_smallest != options.prove_smallest && report.converged) report.smallest_note = proof_takes_longer;
+  const bool replaced = report.lambda != lambda;
   restore_faded(problem, options, result);
   // To the nearest of all that are as smooth, unless the second eigenvalue is known to lie beyond them.
   const double scale = std::max(report.lambda, 1 / problem.area);
@@ -152,7 +153,7 @@ EigenResult solve_and_check(const EigenProblem& problem, const EigenOptions& opt
   };
   if (report.smallest == Smallest::proven && report.next) {
     beyond(*report.next - next_accuracy * std::max(*report.next, 1 / problem.area), AngleCheck::bounded);
-  } else if (approximate && report.lambda == lambda) {
+  } else if (approximate && !replaced) {
     beyond(*approximate, AngleCheck::estimated);
   }
   report.angle.reset();  // whatever the solver says of it

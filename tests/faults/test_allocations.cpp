@@ -22,6 +22,7 @@
 #include "tests/support/folder.h"
 #include "tests/support/libc_allocator.h"
 #include "tests/support/mesh_helpers.h"
+#include "tests/support/random_meshes.h"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #include <dlfcn.h>
@@ -124,11 +125,17 @@ std::string bytes(const std::filesystem::path& file) {
   return text;
 }
 
+/// Its field fades along the chain.
+MeshData chain_of_spheres() {
+  test::Dice dice(1000022);
+  return test::families.at("chain")(dice);
+}
+
 /// What calls are made on. The sphere is large enough for loops on several threads.
 struct Scene {
   test::Folder folder;
   MeshData sphere = jittered_sphere(4, 0.2, 1), small = jittered_sphere(2, 0.2, 1), ring = torus(12, 8, 1, 0.4),
-           plate = grid(8, 8), soup = test::soup(jittered_sphere(2, 0.2, 1));
+           plate = grid(8, 8), soup = test::soup(jittered_sphere(2, 0.2, 1)), chain = chain_of_spheres();
   ConnectedSurface connected = connect(Surface(small.V, small.F));
   FieldRun run = run_field(small.V, small.F, {.n = 4});
 
@@ -150,6 +157,7 @@ std::vector<Job> field_jobs(const Scene& s) {
           "polar, inverse iteration", s.plate,
           {.n = 1, .connection = {.kind = polar}, .eigen = {.solver = "eigen-ldlt", .method = "inverse-iteration"}}),
       field_job("trivial, balanced", s.ring, {.n = 4, .connection = {.kind = trivial, .balance_cones = true}}),
+      field_job("faded", s.chain, {.n = 5, .connection = {.kind = polar}}),
       field_job("modes", s.small, {.n = 4, .modes = 3}),
       field_job("aligned", s.plate, {.n = 4, .align = FieldAlignment{}}),
       field_job("repaired", s.soup, {.n = 4, .repairs = {Repair::automatic}}),
