@@ -25,7 +25,7 @@ class LanczosRecurrence : public Spectra::Arnoldi<double, Operators> {
   /// One more basis vector, by one solve and three products with M. `product(x, y)` is y = M x in the inner product of
   /// `Operators`, `solve(Mx, y)` is y = Op x. As Spectra::Lanczos::factorize_from(), but M v follows from M f, and each
   /// vector is projected twice, which is enough (Giraud, Langou, Rozloznik 2005). Spectra projects until nothing is
-  /// left but rounding, with ten products more.
+  /// left but rounding, and takes about six products.
   template <class Product, class Solve>
   void extend(const Product& product, const Solve& solve, Index& solves) {
     const Index k = this->m_k;
