@@ -9,11 +9,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "solvers/eigenpair/patches.h"
 #include "solvers/linear/backends.h"
 #include "src/base/parallel.h"
 
@@ -38,8 +38,7 @@ constexpr int most_iterations = 100;
 /// The distance may grow by this factor: the residual of rows around D changes by what the values inside change. What
 /// the report says of angles is judged afterwards.
 constexpr double growth = 2;
-/// Where an angle is enough, it takes a third of the time of a solve on more rows than these, for values that no mean
-/// notices.
+/// Where an angle is enough, it takes a fifth of a run's time on more rows than these, for values that no mean notices.
 constexpr Eigen::Index most_rows_by_angle = 200'000;
 
 /// The regions of small |u| that have a value below `floor`: their rows, ascending.
@@ -65,33 +64,6 @@ std::vector<Index> small_regions(const HermitianMatrix& A, const ComplexVector& 
   return region;
 }
 
-/// A with these rows and columns; `place` has their new numbers, -1 for the others.
-HermitianMatrix part(const HermitianMatrix& A, const std::vector<Index>& rows, const std::vector<Index>& place) {
-  const auto count = static_cast<std::int64_t>(rows.size());
-  const auto each = [&](std::int64_t j, auto&& entry) {
-    for (HermitianMatrix::InnerIterator it(A, rows[static_cast<std::size_t>(j)]); it; ++it)
-      if (const Index i = place[static_cast<std::size_t>(it.row())]; i >= 0) entry(i, it.value());
-  };
-  HermitianMatrix result;  // resized: Eigen's constructors leak where memory runs out in the middle of them
-  result.resize(count, count);
-  Index* const start = result.outerIndexPtr();
-  parallel_for(count, [&](std::int64_t j) {
-    Index entries = 0;
-    each(j, [&](Index, const complex<double>&) { ++entries; });
-    start[j + 1] = entries;
-  });
-  std::partial_sum(start, start + count + 1, start);
-  result.resizeNonZeros(start[count]);
-  parallel_for(count, [&](std::int64_t j) {
-    Index k = start[j];
-    each(j, [&](Index i, const complex<double>& value) {
-      result.innerIndexPtr()[k] = i;
-      result.valuePtr()[k++] = value;
-    });
-  });
-  return result;
-}
-
 struct Corrected {
   ComplexVector u;
   double left = 0;  // part of the error that is left
@@ -101,8 +73,6 @@ struct Corrected {
 std::optional<Corrected> corrected_on(const std::vector<Index>& rows, const HermitianMatrix& A,
                                       const EigenProblem& problem, const EigenOptions& options,
                                       const ComplexVector& u) {
-  std::vector<Index> place(static_cast<std::size_t>(u.size()), -1);
-  for (std::size_t k = 0; k < rows.size(); ++k) place[static_cast<std::size_t>(rows[k])] = static_cast<Index>(k);
   // Row i of a Hermitian matrix is its conjugated column.
   MatrixX<complex<double>> b(static_cast<Eigen::Index>(rows.size()), 1);
   parallel_for(static_cast<std::int64_t>(rows.size()), [&](std::int64_t k) {
@@ -111,7 +81,7 @@ std::optional<Corrected> corrected_on(const std::vector<Index>& rows, const Herm
       sum -= std::conj(it.value()) * u[it.row()];
     b(k, 0) = sum;
   });
-  const HermitianMatrix inside = part(A, rows, place);
+  const HermitianMatrix inside = block_of(A, rows);
   MatrixX<complex<double>> x(b.rows(), 1);
   SolveReport report;
   try {
@@ -122,7 +92,7 @@ std::optional<Corrected> corrected_on(const std::vector<Index>& rows, const Herm
                                                              .cancel = options.cancel});
     HermitianMatrix transport;
     if (problem.transport != nullptr) {
-      transport = part(*problem.transport, rows, place);
+      transport = block_of(*problem.transport, rows);
       solver->set_transport(transport);
     }
     solver->analyse(inside);

@@ -8,10 +8,10 @@
 namespace alcap::detail {
 
 /// Where noise, bumps or necks localise an eigenvector, it fades by many orders of magnitude elsewhere. A small
-/// residual says nothing of its directions there, and singularities are where rounding puts them. Solves the rows of S
-/// u = lambda M u where |u| is small, once more, for given values around them: the values inside then have digits of
-/// their own. Does nothing where u is large everywhere but near its zeros, where the rows are not positive definite (u
-/// is not the smallest eigenvector then), and where the residual would grow.
+/// residual says nothing of its directions there, and singularities are where rounding puts them. Solves the equations
+/// of small values once more, for given values around them, which keep their error: what is solved for has digits of
+/// its own. Does nothing where u is large everywhere but near its zeros, and stops where the equations are not positive
+/// definite (u is not the smallest eigenvector then), or the distance would double or leave the tolerance.
 void restore_faded(const EigenProblem& problem, const EigenOptions& options, EigenResult& result);
 
 }  // namespace alcap::detail

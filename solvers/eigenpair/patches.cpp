@@ -32,26 +32,6 @@ void add_ring(const HermitianMatrix& A, std::vector<Index>& rows, std::size_t fi
       if (take(static_cast<Index>(it.row()))) rows.push_back(static_cast<Index>(it.row()));
 }
 
-/// A at these rows and columns.
-HermitianMatrix block_of(const HermitianMatrix& A, const std::vector<Index>& rows) {
-  const auto local = [&rows](Index i) {
-    const auto at = std::lower_bound(rows.begin(), rows.end(), i);
-    return at != rows.end() && *at == i ? static_cast<Index>(at - rows.begin()) : none;
-  };
-  const auto n = static_cast<Index>(rows.size());
-  HermitianMatrix B(n, n);
-  Eigen::Index entries = 0;
-  for (const Index j : rows) entries += A.outerIndexPtr()[j + 1] - A.outerIndexPtr()[j];
-  B.reserve(entries);
-  for (Index j = 0; j < n; ++j) {
-    B.startVec(j);
-    for (HermitianMatrix::InnerIterator it(A, rows[static_cast<std::size_t>(j)]); it; ++it)
-      if (const Index i = local(static_cast<Index>(it.row())); i != none) B.insertBack(i, j) = it.value();
-  }
-  B.finalize();
-  return B;
-}
-
 /// The smallest eigenpair of one problem if it lies below sigma.
 std::optional<EigenResult> smallest_below(const EigenProblem& problem, const EigenOptions& options, double sigma) {
   const EigenvalueCounter::Count count = EigenvalueCounter(problem).below(sigma, 0);
@@ -93,6 +73,26 @@ std::vector<LocalVector> search_whole(const EigenProblem& problem, EigenOptions 
 }
 
 }  // namespace
+
+HermitianMatrix block_of(const HermitianMatrix& A, const std::vector<Index>& rows) {
+  const auto local = [&rows](Index i) {
+    const auto at = std::lower_bound(rows.begin(), rows.end(), i);
+    return at != rows.end() && *at == i ? static_cast<Index>(at - rows.begin()) : none;
+  };
+  const auto n = static_cast<Index>(rows.size());
+  HermitianMatrix B;  // resized: Eigen's constructors leak where memory runs out in the middle of them
+  B.resize(n, n);
+  Eigen::Index entries = 0;
+  for (const Index j : rows) entries += A.outerIndexPtr()[j + 1] - A.outerIndexPtr()[j];
+  B.reserve(entries);
+  for (Index j = 0; j < n; ++j) {
+    B.startVec(j);
+    for (HermitianMatrix::InnerIterator it(A, rows[static_cast<std::size_t>(j)]); it; ++it)
+      if (const Index i = local(static_cast<Index>(it.row())); i != none) B.insertBack(i, j) = it.value();
+  }
+  B.finalize();
+  return B;
+}
 
 std::vector<std::vector<Index>> patches_of(const HermitianMatrix& A, Index core, int rings) {
   const auto n = static_cast<Index>(A.rows());

@@ -19,6 +19,9 @@ struct LocalVector {
   ComplexVector u;          ///< there, of M-length 1
 };
 
+/// A at these rows, ascending, and the same columns.
+[[nodiscard]] HermitianMatrix block_of(const HermitianMatrix& A, const std::vector<Index>& rows);
+
 /// Patches of up to `core` rows that cover the graph of A, each with `rings` rings of neighbours around: rows,
 /// ascending.
 [[nodiscard]] std::vector<std::vector<Index>> patches_of(const HermitianMatrix& A, Index core, int rings);
